@@ -1,0 +1,47 @@
+//! What can be wrong with a shape.
+
+use thiserror::Error;
+
+/// Why a shape is refused.
+#[derive(Debug, Error, Clone, PartialEq)]
+pub enum GeometryError {
+    /// A position lies outside the range of the quantisation lattice.
+    #[error("a grain at ({x}, {y}, {z}) m lies more than {reach} m from the origin of the grain lattice; move the scene to the origin or use larger grains")]
+    OutOfLattice {
+        /// Position, metres.
+        x: f64,
+        /// Position, metres.
+        y: f64,
+        /// Position, metres.
+        z: f64,
+        /// Farthest coordinate that can be stored, metres.
+        reach: f64,
+    },
+    /// A radius is not a positive finite number, or larger than the lattice was made for.
+    #[error("a grain radius of {radius} m cannot be stored; radii of this snow go up to {largest} m")]
+    BadRadius {
+        /// The radius, metres.
+        radius: f64,
+        /// Largest radius of the lattice, metres.
+        largest: f64,
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices}")]
+    VertexOutOfRange {
+        /// Index of the triangle, from 0.
+        triangle: usize,
+        /// The vertex it names, from 0.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A vertex is not finite.
+    #[error("vertex {vertex} has a coordinate that is not a finite number")]
+    VertexNotFinite {
+        /// Index of the vertex, from 0.
+        vertex: usize,
+    },
+    /// There is no triangle with an area.
+    #[error("the mesh has no triangle with an area")]
+    EmptyMesh,
+}

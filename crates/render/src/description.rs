@@ -1,0 +1,129 @@
+//! A scene as plain data: what a scene file means once units are converted, references loaded and
+//! defaults filled in. [`crate::Scene::build`] turns it into what light can travel through.
+
+use snowgrain_geometry::TriangleMesh;
+use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
+use snowgrain_math::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// Everything that decides a picture. Metres, radians only where named, y up.
+#[derive(Clone, Debug)]
+pub struct SceneDescription {
+    /// The film.
+    pub film: FilmDescription,
+    /// The camera.
+    pub camera: CameraDescription,
+    /// The ice.
+    pub ice: IceDescription,
+    /// The lights; their radiances add.
+    pub lights: Vec<LightDescription>,
+    /// Solid diffuse objects.
+    pub objects: Vec<ObjectDescription>,
+    /// Snow, in the order in which it falls or is placed.
+    pub snow: Vec<SnowDescription>,
+    /// How light is traced.
+    pub integrator: IntegratorKind,
+}
+
+/// Size and sampling of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmDescription {
+    /// Pixels across, 1..=65536.
+    pub width: u32,
+    /// Pixels down, 1..=65536.
+    pub height: u32,
+    /// Samples per pixel, >= 1.
+    pub samples_per_pixel: u32,
+    /// Seed of the sampler.
+    pub seed: u64,
+}
+
+/// A pinhole camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDescription {
+    /// Position, metres.
+    pub from: DVec3,
+    /// Point looked at, metres.
+    pub at: DVec3,
+    /// Up direction.
+    pub up: DVec3,
+    /// Vertical field of view, degrees, in (0, 180).
+    pub vertical_fov_degrees: f64,
+    /// Radiance that a camera ray sees where it meets nothing and no visible light.
+    pub backdrop: [f32; 3],
+}
+
+/// Optical constants of the grains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IceDescription {
+    /// Index of refraction eta, in [1, 4].
+    pub ior: f64,
+    /// Grey absorption coefficient, 1/m, >= 0.
+    pub absorption_per_metre: f64,
+}
+
+/// The closed set of lights.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightDescription {
+    /// The paper's diffuse hemisphere above y = 0 at infinity.
+    Sky {
+        /// Radiance, linear RGB.
+        radiance: [f32; 3],
+        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
+        visible_to_camera: bool,
+    },
+    /// The whole sphere at infinity.
+    Uniform {
+        /// Radiance, linear RGB.
+        radiance: [f32; 3],
+        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
+        visible_to_camera: bool,
+    },
+}
+
+/// A solid diffuse object.
+#[derive(Clone, Debug)]
+pub struct ObjectDescription {
+    /// Name for messages (`object.0`, or the file's name).
+    pub name: String,
+    /// Shape in its own space.
+    pub shape: ObjectShape,
+    /// Diffuse albedo, linear RGB, each in [0, 1].
+    pub albedo: [f32; 3],
+    /// Own space to world: scale, then rotate, then translate.
+    pub transform: DAffine3,
+}
+
+/// The closed set of object shapes.
+#[derive(Clone, Debug)]
+pub enum ObjectShape {
+    /// Radius 1 at the origin.
+    Sphere,
+    /// The box [-1, 1]^3.
+    Box,
+    /// The infinite plane y = 0.
+    Plane,
+    /// Newell's teapot in his units, turned y up, standing on y = 0.
+    Teapot,
+    /// Triangles.
+    Mesh(Arc<TriangleMesh>),
+}
+
+/// One body of snow.
+#[derive(Clone, Debug)]
+pub enum SnowDescription {
+    /// A snowfall on objects and earlier snow.
+    Deposit(DepositSettings),
+    /// A crystal lattice.
+    Lattice(LatticeSettings),
+    /// Grains as they are (from a file).
+    Grains(Arc<GrainField>),
+}
+
+/// The closed set of integrators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum IntegratorKind {
+    /// Exact: every grain is met, light is found by escape only.
+    #[default]
+    Grains,
+}
