@@ -3,6 +3,12 @@
 //! The only crate with SIMD. Each kernel is written once, generic over the SIMD level, and is
 //! dispatched at run time; results are the same bits at every level.
 
+pub mod flight;
+pub mod grain_grid;
+pub mod simd;
 pub mod surfaces;
 
+pub use flight::{Flight, FlightEvent};
+pub use grain_grid::{GrainGrid, GridError, GridPosition, LatticeCell};
+pub use simd::SimdLevel;
 pub use surfaces::{SphereContact, SurfaceHit, SurfaceId, SurfaceShape, Surfaces};

@@ -1,6 +1,6 @@
 //! A pack of grains.
 
-use snowgrain_geometry::{Grain, QuantisedGrain, Quantisation};
+use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
 use snowgrain_math::Aabb;
 
 /// Grains on one quantisation lattice, in a deterministic order.
@@ -33,9 +33,8 @@ impl GrainField {
     /// The smallest box around all grains, in metres.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.iter().fold(Aabb::EMPTY, |b, g| {
-            b.union(&Aabb::new(g.center - g.radius, g.center + g.radius))
-        })
+        self.iter()
+            .fold(Aabb::EMPTY, |b, g| b.union(&Aabb::new(g.center - g.radius, g.center + g.radius)))
     }
 
     /// Radius of the largest grain in quanta; 0 where there is none.

@@ -2,4 +2,9 @@
 //!
 //! Opens no file and owns no thread pool: both are handed in.
 
+pub mod camera;
 pub mod description;
+pub mod transport;
+pub mod world;
+
+pub use world::World;

@@ -1,0 +1,285 @@
+//! What light asks of grains: a grid of cells, each one 128-byte block of up to 16 grains.
+//!
+//! A cell lists every grain that reaches into it, in 16-bit quanta relative to the cell, so one
+//! aligned load of two cache lines answers "which grain is next on this stretch of the ray". Cells
+//! are found through bricks of 8 x 8 x 8, so that empty space costs neither memory nor time; a
+//! perfect lattice needs no cells at all ([`LatticeCells`]).
+//!
+//! Positions of light inside a cell are in *cell quanta*: the cell covers `margin..margin + side`
+//! on each axis, where `margin` is the radius of the largest grain, so that all stored coordinates
+//! are positive.
+
+mod block;
+mod build;
+mod lattice_cells;
+mod packed_cells;
+
+pub use block::{Block, GRAINS_PER_BLOCK};
+pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
+pub use lattice_cells::{LatticeCell, LatticeCells};
+pub use packed_cells::PackedCells;
+
+use crate::Surfaces;
+use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_math::{Aabb, DVec3, Ray};
+use thiserror::Error;
+
+/// Why grains cannot be packed for light.
+#[derive(Debug, Error, Clone, PartialEq)]
+pub enum GridError {
+    /// More grains reach into one cell than an entry can count.
+    #[error(
+        "{count} grains reach into one cell of {side} m; the grain sizes differ too much to be packed together (at most {most}): narrow the range of radii"
+    )]
+    CrowdedCell {
+        /// Grains in the cell.
+        count: usize,
+        /// Most that are allowed.
+        most: usize,
+        /// Edge of the cell, metres.
+        side: f64,
+    },
+    /// More blocks than an entry can number.
+    #[error("the snow needs {blocks} blocks of grains, more than {most}: use fewer grains")]
+    TooManyBlocks {
+        /// Blocks needed.
+        blocks: usize,
+        /// Most that can be numbered.
+        most: usize,
+    },
+    /// A period is not positive or has less than one cell.
+    #[error("the period of the snow must be larger than the largest grain")]
+    BadPeriod,
+    /// The box of the grains is too large for its cells to be numbered.
+    #[error(
+        "the snow spreads over {bricks} bricks of cells, more than can be numbered: bring it closer together or use larger grains"
+    )]
+    TooSparse {
+        /// Bricks of 8 x 8 x 8 cells needed.
+        bricks: u128,
+    },
+}
+
+/// What a cell holds: bit 31 tells that a surface passes through it, bits 28..31 hold the number of
+/// blocks less one, bits 0..28 the index of the first block. Block 0 is empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellEntry(pub(crate) u32);
+
+impl CellEntry {
+    pub(crate) const EMPTY: Self = Self(0);
+    /// A whole brick without grains or surfaces; light may cross it in one step.
+    pub(crate) const EMPTY_BRICK: Self = Self(u32::MAX);
+    pub(crate) const SURFACE: u32 = 1 << 31;
+    pub(crate) const MAX_BLOCKS_PER_CELL: usize = 7;
+    pub(crate) const MAX_BLOCKS: usize = 1 << 28;
+
+    pub(crate) fn new(first_block: usize, blocks: usize, surface: bool) -> Self {
+        debug_assert!(first_block < Self::MAX_BLOCKS && blocks <= Self::MAX_BLOCKS_PER_CELL);
+        let count = (blocks.max(1) - 1) as u32;
+        Self(first_block as u32 | count << 28 | if surface { Self::SURFACE } else { 0 })
+    }
+
+    pub(crate) fn has_surface(self) -> bool {
+        self.0 & Self::SURFACE != 0 && self != Self::EMPTY_BRICK
+    }
+
+    pub(crate) fn blocks(self) -> std::ops::Range<usize> {
+        let first = (self.0 & (Self::MAX_BLOCKS as u32 - 1)) as usize;
+        first..first + 1 + ((self.0 >> 28) & 7) as usize
+    }
+}
+
+/// A place inside the grid: a cell and a position in cell quanta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridPosition {
+    /// Cell, each component in `0..cells`.
+    pub cell: [i32; 3],
+    /// Position in cell quanta, `margin..=margin + side` on each axis.
+    pub local: [f32; 3],
+}
+
+/// Where the blocks of the cells come from.
+#[derive(Debug)]
+pub(crate) enum Cells {
+    Packed(PackedCells),
+    Lattice(LatticeCells),
+}
+
+/// All grains of a scene, packed for light.
+#[derive(Debug)]
+pub struct GrainGrid {
+    pub(crate) quantisation: Quantisation,
+    /// Lattice coordinate of the low corner of cell (0, 0, 0), in quanta.
+    pub(crate) first: [i64; 3],
+    /// Edges of a cell in quanta.
+    pub(crate) side: [i32; 3],
+    /// Cells along each axis.
+    pub(crate) cells: [i32; 3],
+    /// Whether the grid repeats along an axis.
+    pub(crate) periodic: [bool; 3],
+    /// Radius of the largest grain in quanta: the local coordinate of a cell's low face.
+    pub(crate) margin: i32,
+    pub(crate) storage: Cells,
+    pub(crate) blocks: Vec<Block>,
+    grains: u64,
+}
+
+impl GrainGrid {
+    /// Number of grains (of one period, where the grid is periodic).
+    #[must_use]
+    pub fn grains(&self) -> u64 {
+        self.grains
+    }
+
+    /// Memory of the grains and their acceleration, bytes.
+    #[must_use]
+    pub fn memory_bytes(&self) -> u64 {
+        let blocks = size_of_val(self.blocks.as_slice());
+        let cells = match &self.storage {
+            Cells::Packed(cells) => cells.memory_bytes(),
+            Cells::Lattice(cells) => cells.memory_bytes(),
+        };
+        (blocks + cells) as u64
+    }
+
+    /// Edge of a quantum, metres.
+    #[must_use]
+    pub fn quantum(&self) -> f64 {
+        self.quantisation.quantum()
+    }
+
+    /// The box of all cells, metres; infinite along periodic axes.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        let mut bounds = self.cell_box([0; 3], self.cells);
+        for axis in 0..3 {
+            if self.periodic[axis] {
+                bounds.min[axis] = f64::NEG_INFINITY;
+                bounds.max[axis] = f64::INFINITY;
+            }
+        }
+        bounds
+    }
+
+    /// The box of the cells `from..to`, metres.
+    pub(crate) fn cell_box(&self, from: [i32; 3], to: [i32; 3]) -> Aabb {
+        let corner = |cell: [i32; 3]| {
+            let quanta = std::array::from_fn(|axis| {
+                (self.first[axis] + i64::from(cell[axis]) * i64::from(self.side[axis])) as f64
+            });
+            self.quantisation.origin() + DVec3::from_array(quanta) * self.quantum()
+        };
+        Aabb::new(corner(from), corner(to))
+    }
+
+    /// Where the ray enters the box of cells: the distance in metres (0 if it starts inside) and
+    /// the place. `None` if it misses.
+    #[must_use]
+    pub fn enter(&self, ray: &Ray) -> Option<(f64, GridPosition)> {
+        if self.grains == 0 {
+            return None;
+        }
+        let (t, t_out) = self.bounds().intersect(ray)?;
+        (t < t_out).then(|| (t, self.locate(ray.at(t))))
+    }
+
+    /// The place of a point in metres, clamped into the box of cells (wrapped along periodic axes).
+    #[must_use]
+    pub fn locate(&self, point: DVec3) -> GridPosition {
+        let quanta = (point - self.quantisation.origin()) / self.quantum();
+        let mut cell = [0; 3];
+        let mut local = [0.0; 3];
+        for axis in 0..3 {
+            let side = f64::from(self.side[axis]);
+            let from_corner = quanta[axis] - self.first[axis] as f64;
+            let index = (from_corner / side).floor();
+            let (index, wrapped) = if self.periodic[axis] {
+                (index, (index as i64).rem_euclid(i64::from(self.cells[axis])) as i32)
+            } else {
+                let index = index.clamp(0.0, f64::from(self.cells[axis] - 1));
+                (index, index as i32)
+            };
+            cell[axis] = wrapped;
+            let within = (from_corner - index * side).clamp(0.0, side);
+            local[axis] = (within + f64::from(self.margin)) as f32;
+        }
+        GridPosition { cell, local }
+    }
+
+    /// A place in metres (in the first period, where the grid is periodic).
+    #[must_use]
+    pub fn world(&self, place: GridPosition) -> DVec3 {
+        let quanta = std::array::from_fn(|axis| {
+            let corner =
+                self.first[axis] + i64::from(place.cell[axis]) * i64::from(self.side[axis]);
+            corner as f64 + (f64::from(place.local[axis]) - f64::from(self.margin))
+        });
+        self.quantisation.origin() + DVec3::from_array(quanta) * self.quantum()
+    }
+
+    #[inline(always)]
+    pub(crate) fn entry(&self, cell: [i32; 3]) -> CellEntry {
+        match &self.storage {
+            Cells::Packed(cells) => cells.entry(cell),
+            Cells::Lattice(cells) => cells.entry(cell),
+        }
+    }
+
+    /// Packs grains; see [`build`].
+    ///
+    /// # Errors
+    /// Snow whose sizes or extent do not fit the structure.
+    pub fn build(
+        quantisation: Quantisation,
+        grains: &[QuantisedGrain],
+        surfaces: &Surfaces,
+    ) -> Result<Self, GridError> {
+        build::build(quantisation, grains, surfaces, None)
+    }
+
+    /// Packs grains that repeat along x and z with the given periods (quanta), over no surfaces.
+    /// Grains must lie in `0..period`; the periods must be multiples of the cells, see
+    /// [`GrainGrid::periodic_cells`].
+    ///
+    /// # Errors
+    /// Snow whose sizes or extent do not fit the structure.
+    pub fn build_periodic(
+        quantisation: Quantisation,
+        grains: &[QuantisedGrain],
+        period_quanta: [i64; 2],
+    ) -> Result<Self, GridError> {
+        build::build(quantisation, grains, &Surfaces::default(), Some(period_quanta))
+    }
+
+    /// A crystal lattice of `counts` conventional cells whose first has its low corner at the
+    /// lattice coordinate `first`; no memory but one cell's blocks. `periodic` repeats it for ever
+    /// along an axis.
+    ///
+    /// # Errors
+    /// A cell that holds too many grains.
+    pub fn lattice(
+        quantisation: Quantisation,
+        cell: &LatticeCell,
+        counts: [u32; 3],
+        first: [i32; 3],
+        periodic: [bool; 3],
+    ) -> Result<Self, GridError> {
+        let (storage, blocks, cells) = LatticeCells::new(quantisation, cell, counts, periodic)?;
+        let per_cell = cell.basis.len() as u64;
+        Ok(Self {
+            quantisation,
+            // One layer of cells below the first holds what protrudes from it.
+            first: std::array::from_fn(|axis| {
+                let below = if periodic[axis] { 0 } else { i64::from(cell.side_quanta[axis]) };
+                i64::from(first[axis]) - below
+            }),
+            side: cell.side_quanta,
+            cells,
+            periodic,
+            margin: i32::from(cell.radius_quanta),
+            storage: Cells::Lattice(storage),
+            blocks,
+            grains: counts.iter().map(|&n| u64::from(n)).product::<u64>() * per_cell,
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! The exact walk: from a ray to where its light comes from.
+//!
+//! A path reflects or refracts at random at every interface (in `snowgrain_accel::Flight`), bounces
+//! off diffuse objects, and ends when it escapes, when an object absorbs it, or when unbiased
+//! roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
+//! its length in ice, from which any absorption follows afterwards (white Monte Carlo).
+
+mod walk;
+
+pub use walk::trace;
+
+use snowgrain_math::sampler::PathKey;
+use snowgrain_math::{DVec3, Ray};
+
+/// A path to be traced.
+#[derive(Clone, Copy, Debug)]
+pub struct NewPath<Tag> {
+    /// Given back with the result.
+    pub tag: Tag,
+    /// Where it starts, in air.
+    pub ray: Ray,
+    /// Its random numbers.
+    pub key: PathKey,
+    /// The first event of them that is still unused.
+    pub event: u32,
+}
+
+/// How a path ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathEnd {
+    /// It escaped along this unit direction.
+    Escaped(DVec3),
+    /// A surface absorbed it, or roulette ended it.
+    Absorbed,
+    /// The guard against endless circling in ice ended it; counted, see
+    /// `snowgrain_accel::flight::MAX_TURNS_IN_ICE`.
+    Trapped,
+}
+
+/// What a path met first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit {
+    /// Where, metres.
+    pub position: DVec3,
+    /// Unit normal on the side of the camera.
+    pub normal: DVec3,
+    /// Diffuse albedo there; 1 for ice.
+    pub albedo: [f32; 3],
+}
+
+/// A traced path.
+#[derive(Clone, Copy, Debug)]
+pub struct PathResult {
+    /// How it ended.
+    pub end: PathEnd,
+    /// Product of the albedos met (and of the roulette's weights).
+    pub throughput: [f32; 3],
+    /// Length in ice, metres.
+    pub ice_length: f64,
+    /// Length in air within the box of the grains, metres.
+    pub air_length: f64,
+    /// Arrivals at grains from air.
+    pub grain_visits: u32,
+    /// Fresnel decisions between air and ice.
+    pub interface_events: u32,
+    /// Diffuse bounces.
+    pub surface_bounces: u32,
+    /// What it met first, if anything.
+    pub first_hit: Option<FirstHit>,
+}
+
+/// Where paths come from and where their results go.
+pub trait PathSource {
+    /// What ties a result to its path.
+    type Tag: Copy;
+    /// The next path, `None` when there are no more.
+    fn next_path(&mut self) -> Option<NewPath<Self::Tag>>;
+    /// Takes a result; results come in any order.
+    fn finish(&mut self, tag: Self::Tag, result: &PathResult);
+}
+
+/// Throughput under which roulette decides: below it a path survives with probability
+/// throughput / threshold and goes on at the threshold, which leaves the mean unchanged.
+pub const ROULETTE_THRESHOLD: f32 = 0.1;

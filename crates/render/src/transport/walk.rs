@@ -1,0 +1,192 @@
+//! Drives a [`Flight`]: fills its lanes from a source and answers its events.
+
+use super::{FirstHit, NewPath, PathEnd, PathResult, PathSource, ROULETTE_THRESHOLD};
+use crate::World;
+use snowgrain_accel::flight::LANES;
+use snowgrain_accel::{Flight, FlightEvent, SimdLevel, SurfaceHit, SurfaceId};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::{Ray, frame};
+
+/// What the walk keeps of a path beside its lane in the flight.
+#[derive(Clone, Copy)]
+struct Walker<Tag> {
+    tag: Tag,
+    key: PathKey,
+    start_event: u32,
+    throughput: [f32; 3],
+    surface_bounces: u32,
+    first_hit: Option<FirstHit>,
+}
+
+/// Traces every path of `source` through `world`.
+pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut Source) {
+    let mut walk = Walk {
+        world,
+        flight: Flight::new(&world.grid, &world.surfaces, world.eta, level),
+        walkers: [None; LANES],
+    };
+    for lane in 0..LANES {
+        walk.refill(lane, source);
+    }
+    loop {
+        let events = walk.flight.advance();
+        if events.is_empty() {
+            return;
+        }
+        for (lane, event) in events {
+            walk.answer(lane, event, source);
+        }
+    }
+}
+
+struct Walk<'a, Tag> {
+    world: &'a World,
+    flight: Flight<'a>,
+    walkers: [Option<Walker<Tag>>; LANES],
+}
+
+impl<Tag: Copy> Walk<'_, Tag> {
+    /// Starts paths in `lane` until one is under way in the grid or the source is dry.
+    fn refill<Source: PathSource<Tag = Tag>>(&mut self, lane: usize, source: &mut Source) {
+        while let Some(NewPath { tag, ray, key, event }) = source.next_path() {
+            self.walkers[lane] = Some(Walker {
+                tag,
+                key,
+                start_event: event,
+                throughput: [1.0; 3],
+                surface_bounces: 0,
+                first_hit: None,
+            });
+            self.flight.launch(lane, key, event);
+            match self.travel_outside(lane, ray, None, true) {
+                None => return,
+                Some(end) => self.finish(lane, end, source),
+            }
+        }
+        self.flight.retire(lane);
+    }
+
+    fn answer<Source: PathSource<Tag = Tag>>(
+        &mut self,
+        lane: usize,
+        event: FlightEvent,
+        source: &mut Source,
+    ) {
+        let end = match event {
+            FlightEvent::Trapped => Some(PathEnd::Trapped),
+            FlightEvent::Left => {
+                let ray = self.flight.ray(lane);
+                self.travel_outside(lane, ray, self.flight.excluded(lane), false)
+            }
+            FlightEvent::Surface(hit) => {
+                let from = Ray::new(self.flight.ray(lane).origin, self.flight.ray(lane).direction);
+                match self.scatter(lane, &hit, from) {
+                    None => Some(PathEnd::Absorbed),
+                    Some(ray) => {
+                        let event = self.flight.travelled(lane).event;
+                        self.flight.bounce(lane, ray.direction, hit.id, event);
+                        None
+                    }
+                }
+            }
+        };
+        if let Some(end) = end {
+            self.finish(lane, end, source);
+            self.refill(lane, source);
+        }
+    }
+
+    /// Follows a ray outside the box of the grains: off surfaces, until it enters the box (`None`)
+    /// or ends. A ray that has just left the box cannot meet it again (`may_enter` false).
+    fn travel_outside(
+        &mut self,
+        lane: usize,
+        mut ray: Ray,
+        mut excluded: Option<SurfaceId>,
+        mut may_enter: bool,
+    ) -> Option<PathEnd> {
+        loop {
+            let surface = if self.world.surfaces.is_empty() {
+                None
+            } else {
+                self.world.surfaces.intersect(&ray, f64::INFINITY, excluded)
+            };
+            let grid = if may_enter { self.world.grid.enter(&ray) } else { None };
+            match (surface, grid) {
+                (None, None) => return Some(PathEnd::Escaped(ray.direction)),
+                (hit, Some((t, place))) if hit.is_none_or(|hit| t <= hit.t) => {
+                    self.flight.enter(lane, place, ray.direction, excluded);
+                    return None;
+                }
+                (Some(hit), _) => {
+                    let at = Ray::new(ray.at(hit.t), ray.direction);
+                    match self.scatter(lane, &hit, at) {
+                        None => return Some(PathEnd::Absorbed),
+                        Some(next) => ray = next,
+                    }
+                    excluded = Some(hit.id);
+                    may_enter = true;
+                }
+                (None, Some(_)) => unreachable!("a ray without a surface ahead enters the grid"),
+            }
+        }
+    }
+
+    /// A diffuse bounce at `at.origin`: the next ray, or `None` where the path ends.
+    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, at: Ray) -> Option<Ray> {
+        let event = self.flight.travelled(lane).event;
+        let visits = self.flight.travelled(lane).grain_visits;
+        let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
+        let albedo = self.world.albedos[hit.id.object as usize];
+        if visits == 0 && walker.surface_bounces == 0 {
+            walker.first_hit = Some(FirstHit { position: at.origin, normal: hit.normal, albedo });
+        }
+        walker.surface_bounces += 1;
+        let [u0, u1, u2] = numbers(walker.key, event);
+        self.flight.set_event(lane, event + 1);
+        for (throughput, albedo) in walker.throughput.iter_mut().zip(albedo) {
+            *throughput *= albedo;
+        }
+        let [r, g, b] = walker.throughput;
+        let largest = r.max(g).max(b);
+        if largest < ROULETTE_THRESHOLD {
+            let survival = largest / ROULETTE_THRESHOLD;
+            if u0 >= survival {
+                return None;
+            }
+            walker.throughput = walker.throughput.map(|t| t / survival);
+        }
+        let direction = frame::cosine_hemisphere(hit.normal, [f64::from(u1), f64::from(u2)]);
+        Some(Ray::new(at.origin, direction))
+    }
+
+    fn finish<Source: PathSource<Tag = Tag>>(
+        &mut self,
+        lane: usize,
+        end: PathEnd,
+        source: &mut Source,
+    ) {
+        let walker = self.walkers[lane].take().expect("a lane that ends has a walker");
+        let travelled = self.flight.travelled(lane);
+        let first_hit = walker.first_hit.or_else(|| {
+            self.flight.first_grain(lane).map(|grain| FirstHit {
+                position: grain.position,
+                normal: grain.normal,
+                albedo: [1.0; 3],
+            })
+        });
+        source.finish(
+            walker.tag,
+            &PathResult {
+                end,
+                throughput: walker.throughput,
+                ice_length: travelled.ice_length,
+                air_length: travelled.air_length,
+                grain_visits: travelled.grain_visits,
+                interface_events: travelled.event - walker.start_event - walker.surface_bounces,
+                surface_bounces: walker.surface_bounces,
+                first_hit,
+            },
+        );
+    }
+}
