@@ -1,0 +1,119 @@
+//! What can go wrong on a film.
+
+use crate::{PixelRect, SampleFault};
+use thiserror::Error;
+
+/// Why a film, tile or picture is refused.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FilmError {
+    /// A sample holds a value that no light has; the renderer is at fault.
+    #[error("pixel ({x}, {y}) was given {fault}")]
+    BadSample {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+        /// What was wrong.
+        fault: SampleFault,
+    },
+    /// A sum leaves the range of its integer.
+    #[error("the sums of pixel ({x}, {y}) leave their range; use fewer samples or dimmer lights")]
+    Overflow {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+    },
+    /// A pixel is not part of the tile.
+    #[error("pixel ({x}, {y}) lies outside the tile {rect}")]
+    OutsideTile {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+        /// The tile.
+        rect: PixelRect,
+    },
+    /// A tile is not part of the film.
+    #[error("the tile {tile} does not lie inside the crop {crop} of the film")]
+    TileOutsideFilm {
+        /// The tile.
+        tile: PixelRect,
+        /// The crop of the film.
+        crop: PixelRect,
+    },
+    /// A crop holds no pixel, or pixels outside the picture.
+    #[error(
+        "the crop {crop} holds no pixel or leaves the picture of {width}x{height} pixels; \
+         give x0,y0,x1,y1 with x0 < x1 <= {width} and y0 < y1 <= {height}"
+    )]
+    BadCrop {
+        /// The crop.
+        crop: PixelRect,
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// There is not that much memory.
+    #[error("{pixels} pixels need {bytes} bytes, more than there is; make the picture smaller")]
+    TooLarge {
+        /// Number of pixels.
+        pixels: u64,
+        /// Bytes they need.
+        bytes: u128,
+    },
+    /// A range of samples holds none.
+    #[error("the sample range {start}..{end} is empty")]
+    EmptySampleRange {
+        /// First sample.
+        start: u64,
+        /// Sample after the last.
+        end: u64,
+    },
+    /// Samples would be counted twice.
+    #[error("samples {start}..{end} are in the film already; merge films of different samples")]
+    SamplesTwice {
+        /// First such sample.
+        start: u64,
+        /// Sample after the last of them.
+        end: u64,
+    },
+    /// Two films are not of one picture.
+    #[error("the films differ in {what} ({ours} and {theirs}), so they cannot be merged")]
+    FilmsDiffer {
+        /// What differs.
+        what: &'static str,
+        /// Of the film merged into.
+        ours: String,
+        /// Of the other film.
+        theirs: String,
+    },
+    /// A layer does not have one value per pixel.
+    #[error("layer {layer} has {values} values for {pixels} pixels")]
+    LayerSize {
+        /// Name of the layer.
+        layer: &'static str,
+        /// Its values.
+        values: usize,
+        /// Pixels of the picture.
+        pixels: u64,
+    },
+    /// A picture has no colour.
+    #[error("the picture has no {layer} layer; give a picture with the layers R, G and B")]
+    NoColour {
+        /// Name of the missing layer.
+        layer: &'static str,
+    },
+    /// Two pictures do not cover the same pixels.
+    #[error(
+        "the pictures cover different pixels ({ours} and {theirs}); \
+         compare pictures of the same size and crop"
+    )]
+    PicturesDiffer {
+        /// Pixels of the first.
+        ours: PixelRect,
+        /// Pixels of the second.
+        theirs: PixelRect,
+    },
+}

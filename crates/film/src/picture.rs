@@ -1,0 +1,246 @@
+//! A film read off: scene-linear layers of `f32`.
+
+use crate::{Film, FilmError, PixelRect, PixelSums};
+
+/// The closed set of layers, named as OpenEXR users name them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Layer {
+    /// Mean red radiance.
+    R,
+    /// Mean green radiance.
+    G,
+    /// Mean blue radiance.
+    B,
+    /// 1 - the fraction of samples that saw only the backdrop.
+    A,
+    /// Mean red albedo of the first surface.
+    AlbedoR,
+    /// Mean green albedo of the first surface.
+    AlbedoG,
+    /// Mean blue albedo of the first surface.
+    AlbedoB,
+    /// Mean normal of the first surface, x.
+    NormalX,
+    /// Mean normal of the first surface, y.
+    NormalY,
+    /// Mean normal of the first surface, z.
+    NormalZ,
+    /// Mean distance of the first surface, metres; infinite where there is none.
+    Depth,
+    /// Unbiased variance of the mean in `R`; infinite with fewer than two samples.
+    VarianceR,
+    /// Unbiased variance of the mean in `G`.
+    VarianceG,
+    /// Unbiased variance of the mean in `B`.
+    VarianceB,
+    /// Number of samples (exact to 2^24).
+    SampleCount,
+}
+
+impl Layer {
+    /// Every layer, in the order of a [`Picture`].
+    pub const ALL: [Self; 15] = [
+        Self::R,
+        Self::G,
+        Self::B,
+        Self::A,
+        Self::AlbedoR,
+        Self::AlbedoG,
+        Self::AlbedoB,
+        Self::NormalX,
+        Self::NormalY,
+        Self::NormalZ,
+        Self::Depth,
+        Self::VarianceR,
+        Self::VarianceG,
+        Self::VarianceB,
+        Self::SampleCount,
+    ];
+
+    /// The colour layers.
+    pub const COLOUR: [Self; 3] = [Self::R, Self::G, Self::B];
+
+    /// The variance layers, in the order of [`Layer::COLOUR`].
+    pub const VARIANCE: [Self; 3] = [Self::VarianceR, Self::VarianceG, Self::VarianceB];
+
+    /// Channel name in an EXR file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::R => "R",
+            Self::G => "G",
+            Self::B => "B",
+            Self::A => "A",
+            Self::AlbedoR => "Albedo.R",
+            Self::AlbedoG => "Albedo.G",
+            Self::AlbedoB => "Albedo.B",
+            Self::NormalX => "N.X",
+            Self::NormalY => "N.Y",
+            Self::NormalZ => "N.Z",
+            Self::Depth => "Z",
+            Self::VarianceR => "Variance.R",
+            Self::VarianceG => "Variance.G",
+            Self::VarianceB => "Variance.B",
+            Self::SampleCount => "SampleCount",
+        }
+    }
+
+    /// The layer of that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name() == name)
+    }
+
+    fn of(self, sums: &PixelSums) -> f64 {
+        match self {
+            Self::R => sums.mean_radiance()[0],
+            Self::G => sums.mean_radiance()[1],
+            Self::B => sums.mean_radiance()[2],
+            Self::A => sums.mean_alpha(),
+            Self::AlbedoR => sums.mean_albedo()[0],
+            Self::AlbedoG => sums.mean_albedo()[1],
+            Self::AlbedoB => sums.mean_albedo()[2],
+            Self::NormalX => sums.mean_normal()[0],
+            Self::NormalY => sums.mean_normal()[1],
+            Self::NormalZ => sums.mean_normal()[2],
+            Self::Depth => sums.mean_depth(),
+            Self::VarianceR => sums.variance_of_mean()[0],
+            Self::VarianceG => sums.variance_of_mean()[1],
+            Self::VarianceB => sums.variance_of_mean()[2],
+            Self::SampleCount => sums.samples() as f64,
+        }
+    }
+}
+
+/// Where a picture comes from: the same for every run that makes the same samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Provenance {
+    /// Hash of the resolved scene.
+    pub scene_hash: [u8; 32],
+    /// Seed of the sampler.
+    pub seed: u64,
+    /// Samples per pixel.
+    pub samples_per_pixel: u64,
+}
+
+/// Scene-linear layers over the pixels of a window of a picture; primaries of Rec. 709, white D65.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    window: PixelRect,
+    layers: Vec<(Layer, Vec<f32>)>,
+    /// Where it comes from, if known.
+    pub provenance: Option<Provenance>,
+}
+
+impl Picture {
+    /// A picture of `width` x `height` pixels without layers, of which `window` is known.
+    ///
+    /// # Errors
+    /// A window that is empty or leaves the picture.
+    pub fn new(width: u32, height: u32, window: PixelRect) -> Result<Self, FilmError> {
+        if window.is_empty() || !PixelRect::new(0, 0, width, height).encloses(&window) {
+            return Err(FilmError::BadCrop { crop: window, width, height });
+        }
+        Ok(Self { width, height, window, layers: Vec::new(), provenance: None })
+    }
+
+    /// All layers of a film.
+    ///
+    /// # Errors
+    /// More layers than memory.
+    pub fn from_film(film: &Film) -> Result<Self, FilmError> {
+        let mut picture = Self::new(film.width(), film.height(), film.crop())?;
+        for layer in Layer::ALL {
+            let mut values = Vec::new();
+            values.try_reserve_exact(film.pixels().len()).map_err(|_| FilmError::TooLarge {
+                pixels: film.crop().area(),
+                bytes: u128::from(film.crop().area()) * 60,
+            })?;
+            values.extend(film.pixels().iter().map(|sums| layer.of(sums) as f32));
+            picture.set_layer(layer, values)?;
+        }
+        picture.provenance = Some(Provenance {
+            scene_hash: film.identity().scene_hash,
+            seed: film.identity().seed,
+            samples_per_pixel: film.samples().total(),
+        });
+        Ok(picture)
+    }
+
+    /// Pixels across of the whole picture.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels down of the whole picture.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The pixels that the layers cover.
+    #[must_use]
+    pub fn window(&self) -> PixelRect {
+        self.window
+    }
+
+    /// The layers there are, in the order of [`Layer::ALL`].
+    pub fn layers(&self) -> impl Iterator<Item = (Layer, &[f32])> {
+        self.layers.iter().map(|(layer, values)| (*layer, values.as_slice()))
+    }
+
+    /// Values of a layer over the window in row-major order, if the picture has it.
+    #[must_use]
+    pub fn layer(&self, layer: Layer) -> Option<&[f32]> {
+        self.layers().find_map(|(held, values)| (held == layer).then_some(values))
+    }
+
+    /// Adds or replaces a layer; values over the window in row-major order.
+    ///
+    /// # Errors
+    /// Not one value per pixel of the window.
+    pub fn set_layer(&mut self, layer: Layer, values: Vec<f32>) -> Result<(), FilmError> {
+        let pixels = self.window.area();
+        if values.len() as u64 != pixels {
+            let (layer, values) = (layer.name(), values.len());
+            return Err(FilmError::LayerSize { layer, values, pixels });
+        }
+        match self.layers.binary_search_by_key(&layer, |(held, _)| *held) {
+            Ok(at) => self.layers[at].1 = values,
+            Err(at) => self.layers.insert(at, (layer, values)),
+        }
+        Ok(())
+    }
+
+    /// The layers R, G and B.
+    ///
+    /// # Errors
+    /// One of them is missing.
+    pub fn colour(&self) -> Result<[&[f32]; 3], FilmError> {
+        self.all_of(Layer::COLOUR).map_err(|layer| FilmError::NoColour { layer: layer.name() })
+    }
+
+    /// The variance layers, if the picture has all three.
+    #[must_use]
+    pub fn variance(&self) -> Option<[&[f32]; 3]> {
+        self.all_of(Layer::VARIANCE).ok()
+    }
+
+    fn all_of(&self, layers: [Layer; 3]) -> Result<[&[f32]; 3], Layer> {
+        let [first, second, third] = layers.map(|layer| self.layer(layer).ok_or(layer));
+        Ok([first?, second?, third?])
+    }
+
+    /// Mean of R, G and B over the window.
+    ///
+    /// # Errors
+    /// One of them is missing.
+    pub fn mean_radiance(&self) -> Result<[f64; 3], FilmError> {
+        Ok(self
+            .colour()?
+            .map(|values| values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64))
+    }
+}

@@ -1,0 +1,210 @@
+//! The exact sums of one pixel.
+
+use crate::exact::{Wide, power_of_two, spread, to_fixed};
+use crate::sample::{LARGEST_GUIDE, Sample, SampleFault};
+
+/// Fractional bits of sums of radiance and depth.
+const FRACTION_BITS: i32 = 64;
+/// Fractional bits of sums of squared radiance.
+const SQUARE_FRACTION_BITS: i32 = 96;
+/// Fractional bits of sums of albedo, normal and alpha.
+const GUIDE_FRACTION_BITS: i32 = 24;
+/// Radiances and depths from here on do not fit: their squares reach 2^96.
+const LIMIT: f32 = (1u64 << 48) as f32;
+
+/// Exact sums over the samples of one pixel; 208 bytes.
+///
+/// | sum | quantum | largest sum | so that fit |
+/// |---|---|---|---|
+/// | radiance, depth | 2^-64 | 2^63 (9.2e18) | 9.2e9 samples of radiance 1e9 |
+/// | squared radiance | 2^-96 | 2^96 (7.9e28) | 7.9e10 samples of radiance 1e9 |
+/// | albedo, normal, alpha | 2^-24 | 2^39 | 2^31 samples of magnitude 256 |
+///
+/// A sample is rounded to the quantum once, when it enters; a radiance of 2^-40 and more is stored
+/// without any rounding. Beyond the range additions fail; nothing ever wraps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PixelSums {
+    radiance: [i128; 3],
+    radiance_squared: [Wide; 3],
+    depth: u128,
+    albedo: [u64; 3],
+    normal: [i64; 3],
+    alpha: u64,
+    hits: u64,
+    samples: u64,
+}
+
+impl PixelSums {
+    /// Length of [`PixelSums::to_le_bytes`].
+    pub const BYTES: usize = 208;
+
+    /// The sums over this one sample.
+    ///
+    /// # Errors
+    /// A value outside the range that [`Sample`] documents.
+    pub fn from_sample(sample: &Sample) -> Result<Self, SampleFault> {
+        let mut sums = Self { samples: 1, ..Self::default() };
+        for (channel, &x) in sample.radiance.iter().enumerate() {
+            let fault = SampleFault::Radiance(x);
+            sums.radiance[channel] = bounded(x).map(u128::cast_signed).ok_or(fault)?;
+            let square = f64::from(x) * f64::from(x);
+            sums.radiance_squared[channel] =
+                Wide::from_f64(square, SQUARE_FRACTION_BITS).ok_or(fault)?;
+        }
+        for (channel, &x) in sample.albedo.iter().enumerate() {
+            let fits = x >= 0.0;
+            sums.albedo[channel] = guide(x).filter(|_| fits).ok_or(SampleFault::Albedo(x))?;
+        }
+        for (axis, &x) in sample.normal.iter().enumerate() {
+            let magnitude = guide(x.abs()).ok_or(SampleFault::Normal(x))?.cast_signed();
+            sums.normal[axis] = if x < 0.0 { -magnitude } else { magnitude };
+        }
+        let alpha = sample.alpha;
+        let fits = (0.0..=1.0).contains(&alpha);
+        sums.alpha = guide(alpha).filter(|_| fits).ok_or(SampleFault::Alpha(alpha))?;
+        if sample.depth != f32::INFINITY {
+            sums.depth = bounded(sample.depth).ok_or(SampleFault::Depth(sample.depth))?;
+            sums.hits = 1;
+        }
+        Ok(sums)
+    }
+
+    /// The sums over the samples of both; `None` where one does not fit.
+    #[must_use]
+    pub fn checked_add(&self, other: &Self) -> Option<Self> {
+        let mut sums = *self;
+        for i in 0..3 {
+            sums.radiance[i] = self.radiance[i].checked_add(other.radiance[i])?;
+            sums.radiance_squared[i] =
+                self.radiance_squared[i].checked_add(other.radiance_squared[i])?;
+            sums.albedo[i] = self.albedo[i].checked_add(other.albedo[i])?;
+            sums.normal[i] = self.normal[i].checked_add(other.normal[i])?;
+        }
+        sums.depth = self.depth.checked_add(other.depth)?;
+        sums.alpha = self.alpha.checked_add(other.alpha)?;
+        sums.hits = self.hits.checked_add(other.hits)?;
+        sums.samples = self.samples.checked_add(other.samples)?;
+        Some(sums)
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Mean radiance; 0 without samples.
+    #[must_use]
+    pub fn mean_radiance(&self) -> [f64; 3] {
+        self.radiance.map(|sum| self.mean(sum as f64, FRACTION_BITS))
+    }
+
+    /// Unbiased estimate of the variance of [`PixelSums::mean_radiance`]; infinite with fewer than
+    /// two samples, where nothing is known about it.
+    #[must_use]
+    pub fn variance_of_mean(&self) -> [f64; 3] {
+        if self.samples < 2 {
+            return [f64::INFINITY; 3];
+        }
+        let n = self.samples as f64;
+        std::array::from_fn(|channel| {
+            let sum = self.radiance[channel].unsigned_abs();
+            let spread = spread(self.samples, self.radiance_squared[channel], sum);
+            spread * power_of_two(-2 * FRACTION_BITS) / (n * n * (n - 1.0))
+        })
+    }
+
+    /// Mean alpha; 0 without samples.
+    #[must_use]
+    pub fn mean_alpha(&self) -> f64 {
+        self.mean(self.alpha as f64, GUIDE_FRACTION_BITS)
+    }
+
+    /// Mean albedo over all samples; 0 without samples.
+    #[must_use]
+    pub fn mean_albedo(&self) -> [f64; 3] {
+        self.albedo.map(|sum| self.mean(sum as f64, GUIDE_FRACTION_BITS))
+    }
+
+    /// Mean normal over all samples, not renormalised; 0 without samples.
+    #[must_use]
+    pub fn mean_normal(&self) -> [f64; 3] {
+        self.normal.map(|sum| self.mean(sum as f64, GUIDE_FRACTION_BITS))
+    }
+
+    /// Mean depth in metres over the samples that hit something; infinite where none did.
+    #[must_use]
+    pub fn mean_depth(&self) -> f64 {
+        match self.hits {
+            0 => f64::INFINITY,
+            hits => self.depth as f64 * power_of_two(-FRACTION_BITS) / hits as f64,
+        }
+    }
+
+    fn mean(&self, sum: f64, fraction_bits: i32) -> f64 {
+        match self.samples {
+            0 => 0.0,
+            samples => sum * power_of_two(-fraction_bits) / samples as f64,
+        }
+    }
+
+    /// The sums as bytes, little-endian, in the order: radiance, squared radiance, depth, albedo,
+    /// normal, alpha, hits, samples.
+    #[must_use]
+    pub fn to_le_bytes(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        let mut rest = &mut bytes[..];
+        let mut put = |field: &[u8]| {
+            let (head, tail) = std::mem::take(&mut rest).split_at_mut(field.len());
+            head.copy_from_slice(field);
+            rest = tail;
+        };
+        self.radiance.iter().for_each(|sum| put(&sum.to_le_bytes()));
+        self.radiance_squared.iter().flat_map(|w| w.0).for_each(|limb| put(&limb.to_le_bytes()));
+        put(&self.depth.to_le_bytes());
+        self.albedo.iter().for_each(|sum| put(&sum.to_le_bytes()));
+        self.normal.iter().for_each(|sum| put(&sum.to_le_bytes()));
+        [self.alpha, self.hits, self.samples].iter().for_each(|sum| put(&sum.to_le_bytes()));
+        bytes
+    }
+
+    /// The inverse of [`PixelSums::to_le_bytes`]; any bytes are some sums.
+    #[must_use]
+    pub fn from_le_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let mut rest = &bytes[..];
+        let mut sums = Self::default();
+        sums.radiance = std::array::from_fn(|_| i128::from_le_bytes(take(&mut rest)));
+        sums.radiance_squared = std::array::from_fn(|_| {
+            Wide(std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest))))
+        });
+        sums.depth = u128::from_le_bytes(take(&mut rest));
+        sums.albedo = std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest)));
+        sums.normal = std::array::from_fn(|_| i64::from_le_bytes(take(&mut rest)));
+        [sums.alpha, sums.hits, sums.samples] =
+            std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest)));
+        sums
+    }
+}
+
+/// Takes the first `N` bytes, which are there by [`PixelSums::BYTES`].
+fn take<const N: usize>(rest: &mut &[u8]) -> [u8; N] {
+    let mut field = [0; N];
+    let (head, tail) = rest.split_at(N);
+    field.copy_from_slice(head);
+    *rest = tail;
+    field
+}
+
+/// A radiance or depth as fixed point, where it is in range.
+fn bounded(x: f32) -> Option<u128> {
+    (x >= 0.0 && x < LIMIT).then(|| to_fixed(f64::from(x), FRACTION_BITS)).flatten()
+}
+
+/// A guide value of magnitude `x` as fixed point, where it is in range.
+fn guide(x: f32) -> Option<u64> {
+    (0.0..=LARGEST_GUIDE)
+        .contains(&x)
+        .then(|| to_fixed(f64::from(x), GUIDE_FRACTION_BITS))
+        .flatten()
+        .and_then(|fixed| u64::try_from(fixed).ok())
+}
