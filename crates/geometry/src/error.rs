@@ -6,7 +6,9 @@ use thiserror::Error;
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum GeometryError {
     /// A position lies outside the range of the quantisation lattice.
-    #[error("a grain at ({x}, {y}, {z}) m lies more than {reach} m from the origin of the grain lattice; move the scene to the origin or use larger grains")]
+    #[error(
+        "a grain at ({x}, {y}, {z}) m lies more than {reach} m from the origin of the grain lattice; move the scene to the origin or use larger grains"
+    )]
     OutOfLattice {
         /// Position, metres.
         x: f64,
@@ -18,7 +20,9 @@ pub enum GeometryError {
         reach: f64,
     },
     /// A radius is not a positive finite number, or larger than the lattice was made for.
-    #[error("a grain radius of {radius} m cannot be stored; radii of this snow go up to {largest} m")]
+    #[error(
+        "a grain radius of {radius} m cannot be stored; radii of this snow go up to {largest} m"
+    )]
     BadRadius {
         /// The radius, metres.
         radius: f64,

@@ -19,10 +19,7 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// The first fault found, with its index.
-    pub fn new(
-        positions: Vec<DVec3>,
-        mut triangles: Vec<[u32; 3]>,
-    ) -> Result<Self, GeometryError> {
+    pub fn new(positions: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
         if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
             return Err(GeometryError::VertexNotFinite { vertex });
         }
