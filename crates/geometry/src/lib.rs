@@ -19,3 +19,4 @@ pub mod teapot;
 pub use error::GeometryError;
 pub use grain::{Grain, Quantisation, QuantisedGrain};
 pub use mesh::TriangleMesh;
+pub use teapot::teapot;

@@ -1,0 +1,293 @@
+//! Solid surfaces that grains fall on and light meets: analytic shapes and triangle meshes.
+//!
+//! Surfaces are shells: rays and grains meet them from inside as from outside. Spheres, boxes and
+//! planes are tried one by one; the triangles of all meshes share one bounding volume hierarchy.
+//! Results are the same bits at every SIMD level: boxes only exclude what the triangles, in `f64`,
+//! would exclude too.
+
+mod build;
+mod bvh;
+mod contact;
+mod ellipsoid;
+mod solid;
+#[cfg(test)]
+mod tests;
+mod traverse;
+mod triangle;
+
+use bvh::Bvh;
+use contact::{Drop, Touch};
+use fearless_simd::Level;
+use snowgrain_geometry::TriangleMesh;
+use snowgrain_math::{Aabb, DAffine3, DVec3, Ray};
+use solid::Solid;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use triangle::Triangle;
+
+/// The closed set of shapes, each in its own space (metres), placed by an affine transform.
+#[derive(Clone, Debug)]
+pub enum SurfaceShape {
+    /// Sphere of radius 1 at the origin.
+    Sphere,
+    /// The box [-1, 1]^3.
+    Box,
+    /// The infinite plane y = 0 (of the object's own space).
+    Plane,
+    /// Triangles, two-sided.
+    Mesh(Arc<TriangleMesh>),
+}
+
+/// Names one smooth piece of surface (a triangle, a sphere, a plane, a face of a box), so that a
+/// ray that starts on it can exclude it by identity instead of by an epsilon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SurfaceId {
+    /// Index of the object, in the order given to [`Surfaces::new`].
+    pub object: u32,
+    /// Index of the triangle in its mesh; 0..6 for the faces -x, +x, -y, +y, -z, +z of a box; 0 for
+    /// a sphere or a plane.
+    pub piece: u32,
+}
+
+/// Where a ray meets a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceHit {
+    /// Distance along the ray, metres, > 0.
+    pub t: f64,
+    /// Unit geometric normal on the side from which the ray came.
+    pub normal: DVec3,
+    /// What was hit.
+    pub id: SurfaceId,
+}
+
+/// First contact of a sphere with a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereContact {
+    /// Height of the sphere's centre at the contact, metres (falls), or its signed gap (queries).
+    pub center_y: f64,
+    /// The point touched, metres.
+    pub point: DVec3,
+    /// Unit normal from the touched point towards the sphere's centre.
+    pub normal: DVec3,
+    /// What is touched.
+    pub id: SurfaceId,
+}
+
+/// All surfaces of a scene with the structure that finds them.
+///
+/// ```
+/// use snowgrain_accel::{SurfaceShape, Surfaces};
+/// use snowgrain_math::{DAffine3, DVec3, Ray};
+/// let surfaces = Surfaces::new(&[(SurfaceShape::Sphere, DAffine3::IDENTITY)]);
+/// let ray = Ray::new(DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y);
+/// let hit = surfaces.intersect(&ray, f64::INFINITY, None).unwrap();
+/// assert_eq!((hit.t, hit.normal), (2.0, DVec3::Y));
+/// let contact = surfaces.drop_sphere(0.0, 0.0, 0.5, 3.0).unwrap();
+/// assert!((contact.center_y - 1.5).abs() < 1e-15);
+/// ```
+#[derive(Debug)]
+pub struct Surfaces {
+    solids: Vec<Solid>,
+    bvh: Bvh,
+    bounds: Aabb,
+    level: Level,
+}
+
+impl Default for Surfaces {
+    /// No surfaces.
+    fn default() -> Self {
+        Self::new(&[])
+    }
+}
+
+impl Surfaces {
+    /// Builds the structure; objects are numbered in the order given.
+    ///
+    /// Transforms must be invertible; what one flattens is not found by rays. Triangles that have
+    /// no area once they are placed are left out.
+    ///
+    /// # Panics
+    /// Beyond 2^28 triangles.
+    #[must_use]
+    pub fn new(objects: &[(SurfaceShape, DAffine3)]) -> Self {
+        let mut solids = Vec::new();
+        let mut triangles = Vec::new();
+        for ((shape, transform), object) in objects.iter().zip(0u32..) {
+            match shape {
+                SurfaceShape::Sphere => solids.push(Solid::sphere(object, transform)),
+                SurfaceShape::Box => solids.push(Solid::cuboid(object, transform)),
+                SurfaceShape::Plane => solids.push(Solid::plane(object, transform)),
+                SurfaceShape::Mesh(mesh) => {
+                    triangles.extend(placed_triangles(mesh, object, transform));
+                }
+            }
+        }
+        let bvh = Bvh::new(triangles);
+        let bounds = solids.iter().fold(bvh.bounds, |all, s| all.union(&s.bounds()));
+        Self { solids, bvh, bounds, level: Level::new() }
+    }
+
+    /// The same surfaces, searched with the instructions of `level` (same results).
+    #[must_use]
+    pub fn with_level(mut self, level: Level) -> Self {
+        self.level = level;
+        self
+    }
+
+    /// The nearest surface with `0 < t <= t_max`, other than the piece `exclude`; of several at the
+    /// same distance the one with the lowest id.
+    ///
+    /// `exclude` is the piece on which the ray starts. A sphere or a box is convex, so a ray that
+    /// starts on it and points outwards never meets it again, and one that points inwards meets its
+    /// far side, even though the far side of a sphere is the same piece.
+    #[must_use]
+    pub fn intersect(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        exclude: Option<SurfaceId>,
+    ) -> Option<SurfaceHit> {
+        let mut nearest: Option<SurfaceHit> = None;
+        for hit in self.solids.iter().filter_map(|solid| solid.intersect(ray, exclude)) {
+            if hit.t <= nearest.map_or(t_max, |n| n.t)
+                && nearest.is_none_or(|n| (hit.t, hit.id) < (n.t, n.id))
+            {
+                nearest = Some(hit);
+            }
+        }
+        let limit = nearest.map_or(t_max, |hit| hit.t);
+        if let Some((t, triangle)) = self.bvh.intersect(self.level, ray, limit, exclude)
+            && nearest.is_none_or(|n| (t, triangle.id) < (n.t, n.id))
+        {
+            let normal = triangle.normal();
+            let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+            nearest = Some(SurfaceHit { t, normal, id: triangle.id });
+        }
+        nearest
+    }
+
+    /// Whether any surface passes through the box (conservative: may say yes too often, never no
+    /// wrongly). Marks the cells of the grain grid in which light must ask [`Self::intersect`].
+    #[must_use]
+    pub fn may_cross(&self, bounds: &Aabb) -> bool {
+        if self.solids.iter().any(|solid| solid.may_cross(bounds)) {
+            return true;
+        }
+        let mut crossed = false;
+        self.bvh.visit(bounds, |triangle, _| {
+            crossed = triangle.overlaps(bounds);
+            if crossed { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        crossed
+    }
+
+    /// The first contact of a sphere of `radius` that falls straight down along `x, z` from
+    /// `start_y` (height of its centre); `None` where it falls past everything. A sphere that
+    /// overlaps a surface at the start is in contact there. `radius` 0 is a ray straight down,
+    /// which meets what lies below the start.
+    ///
+    /// Exact to rounding for every shape. Of contacts at the same height the lowest id counts.
+    #[must_use]
+    pub fn drop_sphere(&self, x: f64, z: f64, radius: f64, start_y: f64) -> Option<SphereContact> {
+        let drop = Drop { x, z, radius, start_y };
+        if radius == 0.0 {
+            let hit = self.intersect(&Ray::new(drop.start(), DVec3::NEG_Y), f64::INFINITY, None)?;
+            let point = drop.center(start_y - hit.t);
+            let (center_y, normal, id) = (point.y, hit.normal, hit.id);
+            return Some(SphereContact { center_y, point, normal, id });
+        }
+        let mut first: Option<SphereContact> = None;
+        let mut found = |contact: SphereContact| {
+            let first_y = first.map_or(f64::NEG_INFINITY, |held| held.center_y);
+            let tie = contact.center_y == first_y;
+            if contact.center_y > first_y || tie && first.is_some_and(|f| contact.id < f.id) {
+                first = Some(contact);
+            }
+            first.map_or(f64::NEG_INFINITY, |held| held.center_y)
+        };
+        for solid in &self.solids {
+            solid.drop_sphere(&drop, |y, touch, id| {
+                found(SphereContact::new(y, touch, id));
+            });
+        }
+        let mut column = Aabb::new(drop.start() - radius, drop.start() + radius);
+        column.min.y = f64::NEG_INFINITY;
+        self.bvh.visit(&column, |triangle, query| {
+            if let Some((y, touch)) = triangle.drop_sphere(&drop) {
+                let first_y = found(SphereContact::new(y, touch, triangle.id));
+                query.raise(first_y - radius);
+            }
+            ControlFlow::Continue(())
+        });
+        first
+    }
+
+    /// All pieces nearer to `center` than `reach`, each with its closest point (`center_y` holds
+    /// the distance from `center` to that point), in the order of their ids. `out` is cleared.
+    pub fn near(&self, center: DVec3, reach: f64, out: &mut Vec<SphereContact>) {
+        out.clear();
+        let mut found = |distance: f64, touch: Touch, id: SurfaceId| {
+            if distance < reach {
+                out.push(SphereContact::new(distance, touch, id));
+            }
+        };
+        for solid in &self.solids {
+            solid.near(center, &mut found);
+        }
+        self.bvh.visit(&Aabb::new(center - reach, center + reach), |triangle, _| {
+            let (touch, distance) = triangle.touch(center);
+            found(distance, touch, triangle.id);
+            ControlFlow::Continue(())
+        });
+        out.sort_unstable_by_key(|contact| contact.id);
+    }
+
+    /// Box around all finite surfaces; empty where there are none (planes are infinite).
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Whether there is no surface at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.solids.is_empty() && self.bvh.triangles.is_empty()
+    }
+
+    /// Whether one of the surfaces is a plane.
+    #[must_use]
+    pub fn has_infinite(&self) -> bool {
+        self.solids.iter().any(Solid::is_infinite)
+    }
+
+    /// Memory held, bytes.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>()
+            + self.solids.capacity() * size_of::<Solid>()
+            + self.solids.iter().map(Solid::heap_bytes).sum::<usize>()
+            + self.bvh.memory_bytes()
+    }
+}
+
+impl SphereContact {
+    fn new(center_y: f64, touch: Touch, id: SurfaceId) -> Self {
+        Self { center_y, point: touch.point, normal: touch.normal, id }
+    }
+}
+
+/// The triangles of a mesh in the world, those with an area.
+fn placed_triangles<'a>(
+    mesh: &'a TriangleMesh,
+    object: u32,
+    transform: &'a DAffine3,
+) -> impl Iterator<Item = Triangle> + 'a {
+    mesh.triangles
+        .iter()
+        .zip(0u32..)
+        .map(move |(corners, piece)| Triangle {
+            corners: corners.map(|v| transform.transform_point3(mesh.positions[v as usize])),
+            id: SurfaceId { object, piece },
+        })
+        .filter(Triangle::has_area)
+}
