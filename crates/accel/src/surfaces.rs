@@ -64,7 +64,12 @@ impl Surfaces {
 
     /// The nearest surface with `0 < t <= t_max`, other than the piece `exclude`.
     #[must_use]
-    pub fn intersect(&self, _ray: &Ray, _t_max: f64, _exclude: Option<SurfaceId>) -> Option<SurfaceHit> {
+    pub fn intersect(
+        &self,
+        _ray: &Ray,
+        _t_max: f64,
+        _exclude: Option<SurfaceId>,
+    ) -> Option<SurfaceHit> {
         todo!()
     }
 
@@ -78,7 +83,13 @@ impl Surfaces {
     /// The first contact of a sphere of `radius` that falls straight down along `x, z` from
     /// `start_y` (height of its centre); `None` where it falls past everything.
     #[must_use]
-    pub fn drop_sphere(&self, _x: f64, _z: f64, _radius: f64, _start_y: f64) -> Option<SphereContact> {
+    pub fn drop_sphere(
+        &self,
+        _x: f64,
+        _z: f64,
+        _radius: f64,
+        _start_y: f64,
+    ) -> Option<SphereContact> {
         todo!()
     }
 
