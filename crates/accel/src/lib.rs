@@ -5,10 +5,12 @@
 
 pub mod flight;
 pub mod grain_grid;
+pub mod grain_stacks;
 pub mod simd;
 pub mod surfaces;
 
 pub use flight::{Flight, FlightEvent};
 pub use grain_grid::{GrainGrid, GridError, GridPosition, LatticeCell};
+pub use grain_stacks::{Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle};
 pub use simd::SimdLevel;
 pub use surfaces::{SphereContact, SurfaceHit, SurfaceId, SurfaceShape, Surfaces};

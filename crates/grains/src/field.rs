@@ -1,6 +1,6 @@
 //! A pack of grains.
 
-use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
+use snowgrain_geometry::{Grain, QuantisedGrain, Quantisation};
 use snowgrain_math::Aabb;
 
 /// Grains on one quantisation lattice, in a deterministic order.
@@ -33,8 +33,7 @@ impl GrainField {
     /// The smallest box around all grains, in metres.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.iter()
-            .fold(Aabb::EMPTY, |b, g| b.union(&Aabb::new(g.center - g.radius, g.center + g.radius)))
+        bounds_of(self.grains.iter().copied(), &self.quantisation)
     }
 
     /// Radius of the largest grain in quanta; 0 where there is none.
@@ -42,4 +41,14 @@ impl GrainField {
     pub fn largest_radius_quanta(&self) -> u16 {
         self.grains.iter().map(|g| g.radius).max().unwrap_or(0)
     }
+}
+
+/// The smallest box around all of `grains`, in metres.
+pub(crate) fn bounds_of(
+    grains: impl Iterator<Item = QuantisedGrain>,
+    quantisation: &Quantisation,
+) -> Aabb {
+    grains.map(|grain| quantisation.grain(grain)).fold(Aabb::EMPTY, |bounds, grain| {
+        bounds.union(&Aabb::new(grain.center - grain.radius, grain.center + grain.radius))
+    })
 }

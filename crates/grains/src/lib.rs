@@ -1,9 +1,39 @@
 //! Snow as matter: size distributions, lattices, deposition and measures of what came out.
+//!
+//! It knows nothing of light, opens no file and starts no thread.
+//!
+//! ```
+//! use snowgrain_geometry::Quantisation;
+//! use snowgrain_grains::{Amount, DepositRule, DepositSettings, Radii, Snowfall};
+//! use snowgrain_math::DVec3;
+//! let radii = Radii { mean: 0.5e-3, variation: 0.1e-3 };
+//! let lattice = Quantisation::for_grains(DVec3::ZERO, radii.largest());
+//! let mut snow = Snowfall::on_level_floor(lattice, [0.02, 0.02])?;
+//! let report = snow.deposit(&DepositSettings {
+//!     amount: Amount::Depth(0.005),
+//!     radii,
+//!     density: None,
+//!     rule: DepositRule::Ray,
+//!     max_slope_degrees: 80.0,
+//!     area: None,
+//!     seed: 1,
+//! })?;
+//! assert_eq!(snow.into_field().len() as u64, report.accepted);
+//! # Ok::<(), snowgrain_grains::GrainsError>(())
+//! ```
 
+pub mod deposit;
 mod error;
 pub mod field;
+pub mod lattice;
+pub mod measures;
 pub mod settings;
 
+pub use deposit::{DepositReport, Snowfall, reached_solid_fraction};
 pub use error::GrainsError;
 pub use field::GrainField;
-pub use settings::{Amount, DepositRule, DepositSettings, LatticeKind, LatticeSettings, Radii};
+pub use lattice::{LatticeCell, lattice_grains};
+pub use measures::{PackReport, Slab};
+pub use settings::{
+    Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeKind, LatticeSettings, Radii,
+};

@@ -1,5 +1,10 @@
 //! What a user asks of snow: resolved, in metres, checked by the functions that take it.
 
+use crate::GrainsError;
+
+/// Density of ice, kg/m^3.
+pub const ICE_DENSITY: f64 = 917.0;
+
 /// Radii of grains: uniform between `mean - variation` and `mean + variation` (the paper, section
 /// 4.1), metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +20,28 @@ impl Radii {
     #[must_use]
     pub fn largest(&self) -> f64 {
         self.mean + self.variation
+    }
+
+    /// Mean of the cube of the radius, cubic metres.
+    #[must_use]
+    pub fn mean_cube(&self) -> f64 {
+        self.mean * (self.mean * self.mean + self.variation * self.variation)
+    }
+
+    /// # Errors
+    /// A mean that is not positive and finite, a variation that is not between 0 and the mean.
+    pub fn check(&self) -> Result<(), GrainsError> {
+        let Self { mean, variation } = *self;
+        if !(mean > 0.0 && mean.is_finite()) {
+            let reason = format!("is {mean} m, but must be a positive finite length");
+            return Err(GrainsError::setting("radius", reason));
+        }
+        if !(0.0..=mean).contains(&variation) {
+            let reason =
+                format!("is {variation} m, but must lie between 0 and the radius, {mean} m");
+            return Err(GrainsError::setting("variation", reason));
+        }
+        Ok(())
     }
 }
 
@@ -59,6 +86,50 @@ pub struct DepositSettings {
     pub seed: u64,
 }
 
+impl DepositSettings {
+    /// # Errors
+    /// The first setting that means nothing, or a radius above `largest_radius` (metres), the
+    /// largest that the scene's quantisation was made for.
+    pub fn check(&self, largest_radius: f64) -> Result<(), GrainsError> {
+        self.radii.check()?;
+        let largest = self.radii.largest();
+        if largest > largest_radius * (1.0 + 1e-9) {
+            let reason = format!("goes up to {largest} m, but grains here up to {largest_radius} m");
+            return Err(GrainsError::setting("radius", reason));
+        }
+        if let Amount::Depth(depth) = self.amount
+            && !(depth > 0.0 && depth.is_finite())
+        {
+            let reason = format!("is {depth} m, but must be a positive finite length");
+            return Err(GrainsError::setting("depth", reason));
+        }
+        if !(0.0..=90.0).contains(&self.max_slope_degrees) {
+            let reason = format!("is {} degrees, but must be in 0..=90", self.max_slope_degrees);
+            return Err(GrainsError::setting("max_slope", reason));
+        }
+        check_density(self.density)?;
+        if let Some([x0, z0, x1, z1]) = self.area
+            && !(x0 < x1 && z0 < z1 && [x0, z0, x1, z1].iter().all(|v| v.is_finite()))
+        {
+            let reason = format!("[{x0}, {z0}, {x1}, {z1}] must be [x0, z0, x1, z1], x0 < x1, z0 < z1");
+            return Err(GrainsError::setting("area", reason));
+        }
+        Ok(())
+    }
+}
+
+/// # Errors
+/// A density that snow cannot have.
+fn check_density(density: Option<f64>) -> Result<(), GrainsError> {
+    match density {
+        Some(density) if !(density > 0.0 && density <= ICE_DENSITY) => Err(GrainsError::setting(
+            "density",
+            format!("is {density} kg/m3, but must lie above 0 and up to that of ice, {ICE_DENSITY}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Crystal lattices of spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LatticeKind {
@@ -70,6 +141,18 @@ pub enum LatticeKind {
     Fcc,
     /// Hexagonal close packed (tightest), in its orthogonal cell: 4.
     Hcp,
+}
+
+impl LatticeKind {
+    /// Grains of a conventional cell.
+    #[must_use]
+    pub fn grains_per_cell(self) -> u64 {
+        match self {
+            Self::Sc => 1,
+            Self::Bcc => 2,
+            Self::Fcc | Self::Hcp => 4,
+        }
+    }
 }
 
 /// A block of a crystal lattice that fills the box from `origin`.
@@ -84,6 +167,32 @@ pub struct LatticeSettings {
     /// Distance between nearest neighbours, metres; `None`: touching (2 radius), or what `density`
     /// asks for.
     pub spacing: Option<f64>,
-    /// Wanted density, kg/m^3: sets the spacing.
+    /// Wanted density, kg/m^3: sets the spacing, or, where that is given too, the part of the
+    /// grains that is kept.
     pub density: Option<f64>,
+}
+
+impl LatticeSettings {
+    /// Grains of the full lattice.
+    #[must_use]
+    pub fn full_count(&self) -> u64 {
+        self.counts.iter().fold(self.kind.grains_per_cell(), |n, &c| n.saturating_mul(c.into()))
+    }
+
+    /// # Errors
+    /// The first setting that means nothing.
+    pub fn check(&self) -> Result<(), GrainsError> {
+        Radii { mean: self.radius, variation: 0.0 }.check()?;
+        if self.counts.contains(&0) {
+            return Err(GrainsError::setting("counts", "must each be at least 1"));
+        }
+        if let Some(spacing) = self.spacing
+            && !(spacing >= self.radius && spacing.is_finite())
+        {
+            let reason =
+                format!("is {spacing} m, but must be finite and at least the radius, {} m", self.radius);
+            return Err(GrainsError::setting("spacing", reason));
+        }
+        check_density(self.density)
+    }
 }

@@ -1,0 +1,79 @@
+//! Fifteen grains, a link and a bound: 160 bytes.
+
+use snowgrain_geometry::QuantisedGrain;
+
+/// Lanes of a block; the last one holds the link, the bound and the count.
+pub(super) const LANES: usize = 16;
+/// Grains of a full block.
+pub(super) const GRAINS_PER_BLOCK: usize = LANES - 1;
+/// The link of the oldest block of a stack.
+pub(super) const NO_BLOCK: u32 = u32::MAX;
+
+/// Grains of one cell, positions in quanta: x and z from the cell's corner, y from the origin.
+#[derive(Clone, Debug)]
+#[repr(align(32))]
+pub(super) struct Block {
+    pub(super) x: [u16; LANES],
+    pub(super) z: [u16; LANES],
+    pub(super) radius: [u16; LANES],
+    pub(super) y: [i32; LANES],
+}
+
+const META: usize = GRAINS_PER_BLOCK;
+
+impl Block {
+    /// An empty block on top of block `older`, below whose tops `older_top` is the highest.
+    pub(super) fn new(older: u32, older_top: i32) -> Self {
+        let mut block = Self { x: [0; LANES], z: [0; LANES], radius: [0; LANES], y: [0; LANES] };
+        block.x[META] = (older & 0xFFFF) as u16;
+        block.z[META] = (older >> 16) as u16;
+        block.y[META] = older_top;
+        block
+    }
+
+    #[inline(always)]
+    pub(super) fn older(&self) -> u32 {
+        u32::from(self.x[META]) | u32::from(self.z[META]) << 16
+    }
+
+    /// Highest top of all grains of older blocks.
+    #[inline(always)]
+    pub(super) fn older_top(&self) -> i32 {
+        self.y[META]
+    }
+
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        usize::from(self.radius[META])
+    }
+
+    /// Bit mask of the lanes that hold grains.
+    #[inline(always)]
+    pub(super) fn lanes(&self) -> u64 {
+        (1 << self.count()) - 1
+    }
+
+    /// Adds a grain and returns its lane; the block must not be full.
+    pub(super) fn push(&mut self, [x, z]: [u16; 2], y: i32, radius: u16) -> usize {
+        let lane = self.count();
+        self.x[lane] = x;
+        self.z[lane] = z;
+        self.y[lane] = y;
+        self.radius[lane] = radius;
+        self.radius[META] += 1;
+        lane
+    }
+
+    /// The grain of a lane, seen where the cell's corner is at `corner`.
+    #[inline(always)]
+    pub(super) fn grain(&self, lane: usize, corner: [i64; 2]) -> QuantisedGrain {
+        QuantisedGrain {
+            center: [
+                (corner[0] + i64::from(self.x[lane])) as i32,
+                self.y[lane],
+                (corner[1] + i64::from(self.z[lane])) as i32,
+            ],
+            radius: self.radius[lane],
+        }
+    }
+}

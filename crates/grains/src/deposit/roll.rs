@@ -1,0 +1,356 @@
+//! Rolling to a stable rest, without inertia (Visscher & Bolsterli 1972, "Random packing of equal
+//! and unequal spheres in two and three dimensions", Nature 239, 504).
+//!
+//! A grain that touches others moves along the projection of gravity on the directions that none
+//! of its contacts forbids. With one contact that holds it, its centre runs along a great circle
+//! in the vertical plane through the other centre; with two, along a circle about the axis that
+//! joins them; where no direction is left, it rests: its centre lies, in plan, within the triangle
+//! of three contacts. Both circles are followed exactly: the angle of the next contact, and the
+//! one at which a contact stops pressing, are roots of `p cos t + q sin t = k`.
+
+use super::ground::Ground;
+use super::rules::{Fate, center};
+use crate::GrainsError;
+use snowgrain_accel::{Fall, GrainSlot, GrainStacks, SphereContact};
+use snowgrain_geometry::QuantisedGrain;
+use snowgrain_math::{DVec3, trig};
+
+/// Turns (contacts, releases and falls) after which a grain is left where it is.
+const MOST_TURNS: u32 = 400;
+/// Speed into a contact that counts as rounding.
+const SPEED_MARGIN: f64 = 1e-9;
+/// Quanta by which a grain may already overlap one that it does not count as touching.
+const TOUCH_MARGIN: f64 = 1e-6;
+
+/// Where a rolling grain ends.
+pub(super) enum Rest {
+    Stable(DVec3),
+    Unsettled(DVec3),
+    TooSteep,
+    Missed,
+}
+
+impl Rest {
+    /// The fate, with the centre turned into a grain by `rounded`.
+    pub(super) fn fate(
+        self,
+        rounded: impl Fn(DVec3) -> Result<QuantisedGrain, GrainsError>,
+    ) -> Result<Fate, GrainsError> {
+        Ok(match self {
+            Self::Stable(center) => Fate::Rests(rounded(center)?),
+            Self::Unsettled(center) => Fate::Unsettled(rounded(center)?),
+            Self::TooSteep => Fate::TooSteep,
+            Self::Missed => Fate::Missed,
+        })
+    }
+}
+
+/// A grain that the rolling one touches.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    slot: GrainSlot,
+    center: DVec3,
+}
+
+/// A circle that the rolling centre follows: `center + radius (u cos t + v sin t)` from t = 0.
+#[derive(Clone, Copy, Debug)]
+struct Arc {
+    center: DVec3,
+    radius: f64,
+    u: DVec3,
+    v: DVec3,
+}
+
+impl Arc {
+    fn at(&self, angle: f64) -> DVec3 {
+        let (sin, cos) = trig::sin_cos(angle);
+        self.center + (self.u * cos + self.v * sin) * self.radius
+    }
+
+    /// First angle in [0, 2 pi) at which a sphere of the rolling kind comes within `reach` of
+    /// `other`; `None` where it never does or is leaving it.
+    fn meets(&self, other: DVec3, reach: f64) -> Option<f64> {
+        let d = other - self.center;
+        let (p, q) = (d.dot(self.u), d.dot(self.v));
+        let k = (self.radius * self.radius + d.length_squared() - reach * reach)
+            / (2.0 * self.radius);
+        let amplitude = (p * p + q * q).sqrt();
+        if k >= amplitude {
+            return None;
+        }
+        if p >= k - TOUCH_MARGIN {
+            // It touches already: a contact only if the motion leads into it.
+            return (q > SPEED_MARGIN * amplitude).then_some(0.0);
+        }
+        let entry = trig::atan2(q, p) - trig::acos(k / amplitude);
+        Some(if entry < 0.0 { entry + core::f64::consts::TAU } else { entry })
+    }
+
+    /// First angle at which the height of `w`, a vector that turns with the arc, falls to zero;
+    /// it is positive at the start.
+    fn sinks(&self, w: DVec3) -> f64 {
+        let axis = self.u.cross(self.v);
+        let (along_u, along_v, along_axis) = (w.dot(self.u), w.dot(self.v), w.dot(axis));
+        let p = along_u * self.u.y + along_v * self.v.y;
+        let q = along_u * self.v.y - along_v * self.u.y;
+        let k = -along_axis * axis.y;
+        let amplitude = (p * p + q * q).sqrt();
+        if k.abs() >= amplitude {
+            return if p > k { core::f64::consts::PI } else { 0.0 };
+        }
+        if p <= k {
+            return 0.0;
+        }
+        let exit = trig::atan2(q, p) + trig::acos(k / amplitude);
+        exit.clamp(0.0, core::f64::consts::PI)
+    }
+}
+
+/// What a grain does next.
+enum Motion {
+    Rests,
+    Falls,
+    /// Rolls over one or two contacts (indices; equal where there is one).
+    Rolls { over: [usize; 2], arc: Arc },
+}
+
+/// What ends an arc.
+enum End {
+    Touches(Contact),
+    /// The contact with this index stops pressing.
+    Releases(usize),
+    Ground,
+}
+
+/// Rolls grains, with buffers that are used again.
+pub(super) struct Roller<'a> {
+    ground: &'a Ground<'a>,
+    least_cosine: f64,
+    contacts: Vec<Contact>,
+    neighbours: Vec<(GrainSlot, QuantisedGrain)>,
+    ignored: Vec<GrainSlot>,
+    surfaces: Vec<SphereContact>,
+}
+
+impl<'a> Roller<'a> {
+    pub(super) fn new(ground: &'a Ground<'a>, least_cosine: f64) -> Self {
+        Self {
+            ground,
+            least_cosine,
+            contacts: Vec::new(),
+            neighbours: Vec::new(),
+            ignored: Vec::new(),
+            surfaces: Vec::new(),
+        }
+    }
+
+    /// Drops a sphere of `radius` quanta along x, z and follows it to its rest.
+    pub(super) fn settle(&mut self, stacks: &GrainStacks, [x, z]: [f64; 2], radius: f64) -> Rest {
+        self.contacts.clear();
+        let mut at = DVec3::new(x, f64::INFINITY, z);
+        for _ in 0..MOST_TURNS {
+            match self.motion(at) {
+                Motion::Rests => return Rest::Stable(at),
+                Motion::Falls => {
+                    if let Some(end) = self.fall(stacks, &mut at, radius) {
+                        return end;
+                    }
+                }
+                Motion::Rolls { over, arc } => {
+                    let (angle, end) = self.end_of(&arc, over, stacks, radius);
+                    at = arc.at(angle);
+                    match end {
+                        End::Ground => return Rest::Stable(at),
+                        End::Touches(contact) => {
+                            self.keep(over);
+                            self.contacts.push(contact);
+                        }
+                        End::Releases(index) => {
+                            let kept = if over[0] == index { over[1] } else { over[0] };
+                            self.ignored.clear();
+                            self.ignored.extend(over.map(|i| self.contacts[i].slot));
+                            self.keep([kept; 2]);
+                            if kept == index {
+                                self.contacts.clear();
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Rest::Unsettled(at)
+    }
+
+    fn keep(&mut self, over: [usize; 2]) {
+        let [a, b] = over.map(|index| self.contacts[index]);
+        self.contacts.clear();
+        self.contacts.push(a);
+        if over[0] != over[1] {
+            self.contacts.push(b);
+        }
+    }
+
+    /// Lets the sphere fall straight down from `at`; `Some` where that is the end.
+    fn fall(&mut self, stacks: &GrainStacks, at: &mut DVec3, radius: f64) -> Option<Rest> {
+        self.ignored.extend(self.contacts.iter().map(|contact| contact.slot));
+        let down_to = f64::NEG_INFINITY;
+        let fall =
+            Fall { x: at.x, z: at.z, radius, from: at.y, down_to, ignored: &self.ignored };
+        let hit = stacks.first_contact(&fall);
+        self.contacts.clear();
+        let down_to = hit.map_or(down_to, |hit| hit.height);
+        if let Some(ground) = self.ground.drop_sphere(at.x, at.z, radius, [at.y, down_to]) {
+            at.y = ground.height;
+            let steep = ground.normal.y < self.least_cosine;
+            return Some(if steep { Rest::TooSteep } else { Rest::Stable(*at) });
+        }
+        let Some(hit) = hit else { return Some(Rest::Missed) };
+        at.y = hit.height;
+        self.ignored.clear();
+        self.contacts.push(Contact { slot: hit.slot, center: center(hit.grain) });
+        None
+    }
+
+    /// The motion that the contacts leave: the projection of gravity on the directions that lead
+    /// into none of them, with at most two contacts pressing.
+    fn motion(&self, at: DVec3) -> Motion {
+        let normal = |index: usize| (at - self.contacts[index].center).normalize();
+        let count = self.contacts.len();
+        let allowed = |velocity: DVec3, pressing: [usize; 2]| {
+            (0..count).all(|i| {
+                pressing.contains(&i) || velocity.dot(normal(i)) >= -SPEED_MARGIN
+            })
+        };
+        if allowed(DVec3::NEG_Y, [count; 2]) {
+            return Motion::Falls;
+        }
+        for i in 0..count {
+            let n = normal(i);
+            let velocity = DVec3::NEG_Y + n * n.y;
+            if n.y > 0.0 && allowed(velocity, [i; 2]) {
+                return self.roll(at, [i; 2], self.contacts[i].center, velocity);
+            }
+        }
+        for i in 0..count {
+            for j in i + 1..count {
+                let (a, b) = (normal(i), normal(j));
+                let c = a.dot(b);
+                let determinant = 1.0 - c * c;
+                if determinant < 1e-12 {
+                    continue;
+                }
+                let (press_a, press_b) = ((a.y - c * b.y) / determinant, (b.y - c * a.y) / determinant);
+                let velocity = DVec3::NEG_Y + a * press_a + b * press_b;
+                if press_a > 0.0 && press_b > 0.0 && allowed(velocity, [i, j]) {
+                    let from = self.contacts[i].center;
+                    let axis = (self.contacts[j].center - from).normalize();
+                    let middle = from + axis * (at - from).dot(axis);
+                    return self.roll(at, [i, j], middle, velocity);
+                }
+            }
+        }
+        Motion::Rests
+    }
+
+    fn roll(&self, at: DVec3, over: [usize; 2], middle: DVec3, velocity: DVec3) -> Motion {
+        let arm = at - middle;
+        let radius = arm.length();
+        let u = arm / radius;
+        let tangent = velocity - u * velocity.dot(u);
+        let speed = tangent.length();
+        // Balanced on top to within rounding: no direction is better than another.
+        if speed < SPEED_MARGIN || radius < TOUCH_MARGIN {
+            return Motion::Rests;
+        }
+        Motion::Rolls { over, arc: Arc { center: middle, radius, u, v: tangent / speed } }
+    }
+
+    /// How far along `arc` the sphere gets, and what stops it.
+    fn end_of(
+        &mut self,
+        arc: &Arc,
+        over: [usize; 2],
+        stacks: &GrainStacks,
+        radius: f64,
+    ) -> (f64, End) {
+        let (mut angle, mut end) = self.release(arc, over);
+        let reach = arc.radius + radius;
+        self.neighbours.clear();
+        stacks.near(arc.center, reach, &mut self.neighbours);
+        for &(slot, grain) in &self.neighbours {
+            let other = center(grain);
+            let rolled_over =
+                |&i: &usize| self.contacts[i].slot == slot && self.contacts[i].center == other;
+            if over.iter().any(rolled_over) {
+                continue;
+            }
+            if let Some(touch) = arc.meets(other, radius + f64::from(grain.radius))
+                && touch < angle
+            {
+                (angle, end) = (touch, End::Touches(Contact { slot, center: other }));
+            }
+        }
+        if let Some(touch) = self.meets_ground(arc, angle, radius) {
+            (angle, end) = (touch, End::Ground);
+        }
+        (angle, end)
+    }
+
+    /// Where the first of the contacts rolled over stops pressing.
+    fn release(&self, arc: &Arc, over: [usize; 2]) -> (f64, End) {
+        let at = arc.at(0.0);
+        let [a, b] = over.map(|i| (at - self.contacts[i].center).normalize());
+        if over[0] == over[1] {
+            return (arc.sinks(a), End::Releases(over[0]));
+        }
+        let c = a.dot(b);
+        let (first, second) = (arc.sinks(a - b * c), arc.sinks(b - a * c));
+        if first <= second {
+            (first, End::Releases(over[0]))
+        } else {
+            (second, End::Releases(over[1]))
+        }
+    }
+
+    /// First angle up to `until` at which the sphere meets the ground.
+    fn meets_ground(&mut self, arc: &Arc, until: f64, radius: f64) -> Option<f64> {
+        if let Some(floor) = self.ground.floor() {
+            // The centre sinks to floor + radius.
+            let above = arc.center.y - floor - radius;
+            let (p, q) = (arc.u.y * arc.radius, arc.v.y * arc.radius);
+            let amplitude = (p * p + q * q).sqrt();
+            if above.abs() >= amplitude {
+                return None;
+            }
+            let angle = trig::atan2(q, p) + trig::acos(-above / amplitude);
+            let angle = angle.rem_euclid(core::f64::consts::TAU);
+            return (angle <= until).then_some(angle);
+        }
+        if !self.ground.surface_within(arc.center, arc.radius + radius, &mut self.surfaces) {
+            return None;
+        }
+        // Solid surfaces have no closed form: short steps, then bisection to within a quantum.
+        let steps = (until * arc.radius / (radius / 8.0)).ceil().max(1.0);
+        let mut free = 0.0;
+        for step in 1..=steps as u32 {
+            let angle = until * f64::from(step) / steps;
+            if self.ground.surface_within(arc.at(angle), radius, &mut self.surfaces) {
+                return Some(self.last_free(arc, free, angle, radius));
+            }
+            free = angle;
+        }
+        None
+    }
+
+    fn last_free(&mut self, arc: &Arc, mut free: f64, mut touching: f64, radius: f64) -> f64 {
+        while (touching - free) * arc.radius > 0.25 {
+            let middle = (free + touching) * 0.5;
+            if self.ground.surface_within(arc.at(middle), radius, &mut self.surfaces) {
+                touching = middle;
+            } else {
+                free = middle;
+            }
+        }
+        free
+    }
+}

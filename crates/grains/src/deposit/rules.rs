@@ -1,0 +1,168 @@
+//! One falling grain under each rule.
+
+use super::ground::Ground;
+use super::roll::Roller;
+use crate::{DepositRule, DepositSettings, GrainsError};
+use snowgrain_accel::{Fall, GrainStacks, PlanRectangle};
+use snowgrain_geometry::{GeometryError, QuantisedGrain, Quantisation};
+use snowgrain_math::sampler::{PathKey, pcg3d};
+use snowgrain_math::{DVec3, trig};
+
+/// What becomes of a falling grain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Fate {
+    /// It lies here.
+    Rests(QuantisedGrain),
+    /// It was left here without a stable support.
+    Unsettled(QuantisedGrain),
+    /// Its contact was too steep.
+    TooSteep,
+    /// It met nothing.
+    Missed,
+}
+
+/// Everything about the drops of one snowfall that does not change.
+pub(super) struct Drop<'a> {
+    rule: DepositRule,
+    quantisation: Quantisation,
+    pub(super) ground: &'a Ground<'a>,
+    pub(super) area: PlanRectangle,
+    /// Least y of an accepted contact normal.
+    pub(super) least_cosine: f64,
+    /// Mean radius and half-width of its distribution, quanta.
+    pub(super) mean: f64,
+    variation: f64,
+    seed: u64,
+    snowfall: u64,
+    roller: Roller<'a>,
+}
+
+impl<'a> Drop<'a> {
+    pub(super) fn new(
+        settings: &DepositSettings,
+        quantisation: &Quantisation,
+        ground: &'a Ground<'a>,
+        area: PlanRectangle,
+        snowfall: u64,
+    ) -> Self {
+        let slope = settings.max_slope_degrees;
+        let least_cosine =
+            if slope >= 90.0 { 0.0 } else { trig::sin_cos(slope.to_radians()).1 };
+        Self {
+            rule: settings.rule,
+            quantisation: *quantisation,
+            ground,
+            area,
+            least_cosine,
+            mean: settings.radii.mean / quantisation.quantum(),
+            variation: settings.radii.variation / quantisation.quantum(),
+            seed: settings.seed,
+            snowfall,
+            roller: Roller::new(ground, least_cosine),
+        }
+    }
+
+    /// Lets drop number `index` fall on what lies.
+    pub(super) fn fall(
+        &mut self,
+        stacks: &GrainStacks,
+        index: u64,
+    ) -> Result<Fate, GrainsError> {
+        let key = PathKey::new(self.seed, index, self.snowfall);
+        let [a, b, c] = pcg3d(key.lo, key.hi, 0);
+        let PlanRectangle { min, max } = self.area;
+        let x = f64::from(uniform_below(a, min[0], max[0]));
+        let z = f64::from(uniform_below(b, min[1], max[1]));
+        let radius = self.radius(c);
+        match self.rule {
+            DepositRule::Ray => self.ray(stacks, [x, z], radius),
+            DepositRule::Stick => self.stick(stacks, [x, z], radius),
+            DepositRule::Roll => {
+                let rest = self.roller.settle(stacks, [x, z], radius.into());
+                rest.fate(|center| self.rounded(center.round(), radius))
+            }
+        }
+    }
+
+    /// The radius for a random word: uniform in [mean - variation, mean + variation], at least one
+    /// quantum.
+    fn radius(&self, word: u32) -> u16 {
+        let unit = (f64::from(word) + 0.5) / 4_294_967_296.0;
+        let radius = self.mean + (2.0 * unit - 1.0) * self.variation;
+        radius.round().clamp(1.0, f64::from(Quantisation::MAX_RADIUS_QUANTA)) as u16
+    }
+
+    /// The paper's rule.
+    fn ray(
+        &self,
+        stacks: &GrainStacks,
+        [x, z]: [f64; 2],
+        radius: u16,
+    ) -> Result<Fate, GrainsError> {
+        let hit = stacks.ray_down(x, z);
+        let down_to = hit.map_or(f64::NEG_INFINITY, |hit| hit.height);
+        let (height, normal) = match (self.ground.ray_down(x, z, down_to), hit) {
+            (Some(ground), _) => (ground.height, ground.normal),
+            (None, Some(hit)) => {
+                let reach = f64::from(hit.grain.radius);
+                (hit.height, (DVec3::new(x, hit.height, z) - center(hit.grain)) / reach)
+            }
+            (None, None) => return Ok(Fate::Missed),
+        };
+        if normal.y < self.least_cosine {
+            return Ok(Fate::TooSteep);
+        }
+        let center = DVec3::new(x, height, z) + normal * f64::from(radius);
+        Ok(Fate::Rests(self.rounded(center.round(), radius)?))
+    }
+
+    /// The first contact of the sphere itself. It falls along a vertical through a lattice point,
+    /// so rounding its height up leaves no overlap at all.
+    fn stick(
+        &self,
+        stacks: &GrainStacks,
+        [x, z]: [f64; 2],
+        radius: u16,
+    ) -> Result<Fate, GrainsError> {
+        let falling = f64::from(radius);
+        let hit = stacks.first_contact(&Fall::from_above(x, z, falling));
+        let down_to = hit.map_or(f64::NEG_INFINITY, |hit| hit.height);
+        let ground = self.ground.drop_sphere(x, z, falling, [f64::INFINITY, down_to]);
+        let (height, normal) = match (ground, hit) {
+            (Some(ground), _) => (ground.height, ground.normal),
+            (None, Some(hit)) => {
+                let reach = falling + f64::from(hit.grain.radius);
+                (hit.height, (DVec3::new(x, hit.height, z) - center(hit.grain)) / reach)
+            }
+            (None, None) => return Ok(Fate::Missed),
+        };
+        if normal.y < self.least_cosine {
+            return Ok(Fate::TooSteep);
+        }
+        Ok(Fate::Rests(self.rounded(DVec3::new(x, height.ceil(), z), radius)?))
+    }
+
+    /// The grain at whole quanta, if the lattice reaches that far.
+    fn rounded(&self, at: DVec3, radius: u16) -> Result<QuantisedGrain, GrainsError> {
+        let reach = f64::from(Quantisation::MAX_COORDINATE);
+        if !(at.abs().max_element() <= reach) {
+            let quantum = self.quantisation.quantum();
+            let DVec3 { x, y, z } = self.quantisation.origin() + at * quantum;
+            let reach = reach * quantum;
+            return Err(GeometryError::OutOfLattice { x, y, z, reach }.into());
+        }
+        Ok(QuantisedGrain { center: [at.x as i32, at.y as i32, at.z as i32], radius })
+    }
+}
+
+/// Centre of a grain, quanta.
+pub(super) fn center(grain: QuantisedGrain) -> DVec3 {
+    let [x, y, z] = grain.center.map(f64::from);
+    DVec3::new(x, y, z)
+}
+
+/// A whole number of `[low, high)` from a random word.
+fn uniform_below(word: u32, low: i32, high: i32) -> i32 {
+    let width = i64::from(high) - i64::from(low);
+    (i64::from(low) + ((i64::from(word) * width) >> 32)) as i32
+}

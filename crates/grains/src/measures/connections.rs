@@ -1,0 +1,116 @@
+//! What touches what.
+
+use super::buckets::Buckets;
+use crate::GrainField;
+use snowgrain_geometry::Grain;
+use snowgrain_math::DVec3;
+
+/// Two grains touch where the gap or overlap between them is at most this many quanta (2.2e-4 of
+/// the largest radius of the scene): what rounding makes of grains that touch. Deeper is overlap.
+pub const TOUCH_TOLERANCE_QUANTA: f64 = 3.0;
+
+/// What touches what in a pack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connections {
+    /// Mean number of grains that a grain touches, within [`TOUCH_TOLERANCE_QUANTA`].
+    pub contacts_per_grain: f64,
+    /// Mean number of grains that a grain overlaps by more than that.
+    pub overlaps_per_grain: f64,
+    /// Mean depth of the overlaps, metres.
+    pub mean_overlap_depth: f64,
+    /// Greatest depth of an overlap or, where there is none, of a contact, metres; 0 at least.
+    pub greatest_overlap_depth: f64,
+    /// Part of the grains' volume that hangs together, through contacts and overlaps, with the
+    /// ground, or, where no grain touches the ground, in the largest cluster.
+    pub connected_fraction: f64,
+}
+
+/// Looks at every pair of neighbours of `field`, which repeats with `period` (metres along x and z)
+/// where that is given; `touches_ground` says which grains the ground carries.
+#[must_use]
+pub fn connections(
+    field: &GrainField,
+    period: Option<[f64; 2]>,
+    touches_ground: &dyn Fn(&Grain) -> bool,
+) -> Connections {
+    let buckets = Buckets::new(field, period);
+    let grains = buckets.grains();
+    let mut clusters = Clusters::new(grains.len());
+    let (mut contacts, mut overlaps, mut depths, mut greatest) = (0u64, 0u64, 0.0, 0.0f64);
+    for (i, grain) in grains.iter().enumerate() {
+        let [x, y, z] = grain.center.map(f64::from);
+        let (center, radius) = (DVec3::new(x, y, z), f64::from(grain.radius));
+        buckets.around(center, |j, other, other_radius| {
+            let offset = other - center;
+            let widest = radius + other_radius + TOUCH_TOLERANCE_QUANTA;
+            let square = offset.length_squared();
+            if square > widest * widest || (i == j && square == 0.0) {
+                return;
+            }
+            let depth = radius + other_radius - square.sqrt();
+            greatest = greatest.max(depth);
+            if depth > TOUCH_TOLERANCE_QUANTA {
+                overlaps += 1;
+                depths += depth;
+            } else {
+                contacts += 1;
+            }
+            clusters.join(i, j);
+        });
+    }
+    let quantum = field.quantisation.quantum();
+    let per_grain = |count: u64| count as f64 / (grains.len() as f64).max(1.0);
+    Connections {
+        contacts_per_grain: per_grain(contacts),
+        overlaps_per_grain: per_grain(overlaps),
+        mean_overlap_depth: quantum * depths / (overlaps as f64).max(1.0),
+        greatest_overlap_depth: quantum * greatest,
+        connected_fraction: connected_fraction(field, &buckets, &mut clusters, touches_ground),
+    }
+}
+
+fn connected_fraction(
+    field: &GrainField,
+    buckets: &Buckets,
+    clusters: &mut Clusters,
+    touches_ground: &dyn Fn(&Grain) -> bool,
+) -> f64 {
+    let mut volumes = vec![0.0f64; buckets.grains().len()];
+    let mut grounded = vec![false; volumes.len()];
+    for (i, &grain) in buckets.grains().iter().enumerate() {
+        let root = clusters.root(i);
+        let radius = f64::from(grain.radius);
+        volumes[root] += radius * radius * radius;
+        grounded[root] |= touches_ground(&field.quantisation.grain(grain));
+    }
+    let all: f64 = volumes.iter().sum();
+    let on_ground: f64 = volumes.iter().zip(&grounded).filter(|g| *g.1).map(|g| g.0).sum();
+    let largest = volumes.iter().copied().fold(0.0, f64::max);
+    let connected = if on_ground > 0.0 { on_ground } else { largest };
+    if all > 0.0 { connected / all } else { 0.0 }
+}
+
+/// Disjoint sets with path halving; the least index is a set's root.
+struct Clusters {
+    parents: Vec<u32>,
+}
+
+impl Clusters {
+    fn new(count: usize) -> Self {
+        Self { parents: (0..count as u32).collect() }
+    }
+
+    fn root(&mut self, index: usize) -> usize {
+        let mut at = index;
+        while self.parents[at] as usize != at {
+            self.parents[at] = self.parents[self.parents[at] as usize];
+            at = self.parents[at] as usize;
+        }
+        at
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parents[a.max(b)] = a.min(b) as u32;
+    }
+}
