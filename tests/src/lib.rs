@@ -20,6 +20,8 @@ pub mod cube;
 pub mod interface;
 pub mod oracle;
 pub mod packs;
+pub mod picture;
+pub mod reference;
 mod search;
 pub mod slab;
 pub mod statistics;

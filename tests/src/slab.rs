@@ -1,6 +1,7 @@
 //! A level slab of snow, periodic along x and z, lit on its upper face, black below.
 
 use crate::oracle::{Oracle, PathEnd};
+use crate::packs;
 use crate::search::Search;
 use crate::statistics::{Estimate, estimate};
 use snowgrain_geometry::Grain;
@@ -49,6 +50,22 @@ pub struct SlabMeasure {
 }
 
 impl Slab {
+    /// `layers` layers of touching grains of radius 1/2 on the simple cubic lattice, axes along
+    /// x, y, z.
+    #[must_use]
+    pub fn simple_cubic(layers: u32, eta: f64) -> Self {
+        let grains = packs::simple_cubic([1, layers, 1], 0.5);
+        Self { grains, period: [1.0; 2], height: f64::from(layers), eta }
+    }
+
+    /// `layers` (001) layers of touching grains of radius 1/2 on the face-centred cubic lattice.
+    #[must_use]
+    pub fn face_centred_cubic(layers: u32, eta: f64) -> Self {
+        let grains = packs::face_centred_cubic_layers(layers, 0.5);
+        let height = 1.0 + f64::from(layers - 1) * core::f64::consts::FRAC_1_SQRT_2;
+        Self { grains, period: [1.0; 2], height, eta }
+    }
+
     /// Grain surface seen from above per area, N pi r^2 / A.
     #[must_use]
     pub fn tau(&self) -> f64 {

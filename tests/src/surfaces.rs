@@ -1,5 +1,6 @@
 //! Diffuse surfaces of the oracle: every piece is tested every time.
 
+use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DVec3, Ray};
 
 /// A diffuse object.
@@ -109,6 +110,25 @@ fn bounds(shape: &OracleShape) -> Aabb {
 }
 
 impl OracleShape {
+    /// The triangles of a mesh.
+    #[must_use]
+    pub fn mesh(mesh: &TriangleMesh) -> Self {
+        Self::Triangles((0..mesh.triangles.len()).map(|index| mesh.corners(index)).collect())
+    }
+
+    /// The twelve triangles of an axis-aligned cube of side 2 `half`.
+    #[must_use]
+    pub fn cube(center: DVec3, half: f64) -> Self {
+        const QUADS: [[usize; 4]; 6] =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let corner = |index: usize| {
+            let side = |bit: usize| if index & bit == 0 { -half } else { half };
+            center + DVec3::new(side(1), side(2), side(4))
+        };
+        let triangles = QUADS.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Self::Triangles(triangles.map(|corners| corners.map(corner)).collect())
+    }
+
     fn pieces(&self) -> usize {
         match self {
             Self::Triangles(triangles) => triangles.len(),
