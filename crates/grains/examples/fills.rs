@@ -34,7 +34,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bytes = snow.bytes() as f64 / grains as f64;
     let period = snow.period();
     let field = snow.into_field();
-    println!("{rule:?}: {report:?}, {:.2} M grains/s, {bytes:.1} B/grain", grains as f64 / seconds / 1e6);
+    println!(
+        "{rule:?}: {report:?}, {:.2} M grains/s, {bytes:.1} B/grain",
+        grains as f64 / seconds / 1e6
+    );
     let floor = radius * (1.0 + 1e-3);
     let start = Instant::now();
     let pack = PackReport::of(&field, period, &|grain| grain.center.y <= floor);

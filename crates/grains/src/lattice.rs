@@ -7,7 +7,7 @@
 //! close-packed layers normal to z).
 
 use crate::{GrainField, GrainsError, ICE_DENSITY, LatticeKind, LatticeSettings};
-use snowgrain_geometry::{GeometryError, QuantisedGrain, Quantisation};
+use snowgrain_geometry::{GeometryError, Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::split_mix;
 
 /// Most grains of a lattice that is stored grain by grain.
@@ -88,6 +88,21 @@ impl LatticeCell {
         self.basis.len() as f64 * sphere / (x * y * z)
     }
 
+    /// The grains of the full lattice, cell by cell (x fastest, then y, then z).
+    pub fn grains(&self) -> impl Iterator<Item = QuantisedGrain> + '_ {
+        let [nx, ny, nz] = self.counts.map(|n| n as i32);
+        let cells =
+            (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        cells.flat_map(move |cell| {
+            self.basis.iter().map(move |basis| QuantisedGrain {
+                center: std::array::from_fn(|axis| {
+                    cell[axis] * self.side_quanta[axis] + basis[axis]
+                }),
+                radius: self.radius,
+            })
+        })
+    }
+
     fn check_reach(&self, quantum: f64) -> Result<(), GrainsError> {
         let reach = f64::from(Quantisation::MAX_COORDINATE);
         let far = [0, 1, 2].map(|a| f64::from(self.counts[a]) * f64::from(self.side_quanta[a]));
@@ -114,18 +129,7 @@ pub fn lattice_grains(
         let reason = format!("make {full} grains, but at most {MOST_GRAINS} can be stored");
         return Err(GrainsError::setting("counts", reason));
     }
-    let mut grains = Vec::with_capacity(full as usize);
-    for k in 0..cell.counts[2] as i32 {
-        for j in 0..cell.counts[1] as i32 {
-            for i in 0..cell.counts[0] as i32 {
-                for basis in &cell.basis {
-                    let at = |axis: usize, n: i32| n * cell.side_quanta[axis] + basis[axis];
-                    let center = [at(0, i), at(1, j), at(2, k)];
-                    grains.push(QuantisedGrain { center, radius: cell.radius });
-                }
-            }
-        }
-    }
+    let mut grains: Vec<_> = cell.grains().collect();
     if cell.kept < full {
         grains = thinned(grains, cell.kept as usize);
     }

@@ -40,7 +40,7 @@ impl PathSource for Pixels<'_> {
         self.hits += u64::from(r.grain_visits > 0);
         self.ice += r.ice_length;
         match r.end {
-            PathEnd::Escaped(d) if d.y > 0.0 => self.sum += 1.0,
+            PathEnd::Escaped(ray) if ray.direction.y > 0.0 => self.sum += 1.0,
             PathEnd::Trapped => self.trapped += 1,
             _ => {}
         }

@@ -4,7 +4,18 @@
 
 pub mod camera;
 pub mod description;
+mod error;
+pub mod light;
+pub mod measure;
+mod render;
+mod scene;
+mod scene_hash;
+mod statistics;
 pub mod transport;
 pub mod world;
 
+pub use error::RenderError;
+pub use render::{RenderControl, RenderSettings, Rendered, render};
+pub use scene::{BuildReport, BuildStage, Scene, deposit, surfaces_of};
+pub use statistics::Statistics;
 pub use world::World;

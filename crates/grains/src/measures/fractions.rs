@@ -122,8 +122,8 @@ fn inside_by_layer(field: &GrainField, slab: &Slab, counts: [u32; 3], seed: u64)
     }
     let buckets = Buckets::new(field, slab.period);
     let (origin, quantum) = (field.quantisation.origin(), field.quantisation.quantum());
-    let step = (slab.max - slab.min)
-        / DVec3::new(counts[0].into(), counts[1].into(), counts[2].into());
+    let step =
+        (slab.max - slab.min) / DVec3::new(counts[0].into(), counts[1].into(), counts[2].into());
     for j in 0..counts[1] {
         for k in 0..counts[2] {
             let row = u64::from(j) * u64::from(counts[2]) + u64::from(k);

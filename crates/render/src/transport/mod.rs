@@ -28,8 +28,9 @@ pub struct NewPath<Tag> {
 /// How a path ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathEnd {
-    /// It escaped along this unit direction.
-    Escaped(DVec3),
+    /// It escaped along this ray, which starts where it last left the box of the grains, bounced, or
+    /// began.
+    Escaped(Ray),
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
     /// The guard against endless circling in ice ended it; counted, see

@@ -5,7 +5,7 @@ use crate::World;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{Flight, FlightEvent, SimdLevel, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::{Ray, frame};
+use snowgrain_math::{DVec3, Ray, frame};
 
 /// What the walk keeps of a path beside its lane in the flight.
 #[derive(Clone, Copy)]
@@ -79,8 +79,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
             }
             FlightEvent::Surface(hit) => {
-                let from = Ray::new(self.flight.ray(lane).origin, self.flight.ray(lane).direction);
-                match self.scatter(lane, &hit, from) {
+                match self.scatter(lane, &hit, self.flight.ray(lane).origin) {
                     None => Some(PathEnd::Absorbed),
                     Some(ray) => {
                         let event = self.flight.travelled(lane).event;
@@ -113,14 +112,13 @@ impl<Tag: Copy> Walk<'_, Tag> {
             };
             let grid = if may_enter { self.world.grid.enter(&ray) } else { None };
             match (surface, grid) {
-                (None, None) => return Some(PathEnd::Escaped(ray.direction)),
+                (None, None) => return Some(PathEnd::Escaped(ray)),
                 (hit, Some((t, place))) if hit.is_none_or(|hit| t <= hit.t) => {
                     self.flight.enter(lane, place, ray.direction, excluded);
                     return None;
                 }
                 (Some(hit), _) => {
-                    let at = Ray::new(ray.at(hit.t), ray.direction);
-                    match self.scatter(lane, &hit, at) {
+                    match self.scatter(lane, &hit, ray.at(hit.t)) {
                         None => return Some(PathEnd::Absorbed),
                         Some(next) => ray = next,
                     }
@@ -132,14 +130,14 @@ impl<Tag: Copy> Walk<'_, Tag> {
         }
     }
 
-    /// A diffuse bounce at `at.origin`: the next ray, or `None` where the path ends.
-    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, at: Ray) -> Option<Ray> {
+    /// A diffuse bounce at `position`: the next ray, or `None` where the path ends.
+    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Option<Ray> {
         let event = self.flight.travelled(lane).event;
         let visits = self.flight.travelled(lane).grain_visits;
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
         let albedo = self.world.albedos[hit.id.object as usize];
         if visits == 0 && walker.surface_bounces == 0 {
-            walker.first_hit = Some(FirstHit { position: at.origin, normal: hit.normal, albedo });
+            walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });
         }
         walker.surface_bounces += 1;
         let [u0, u1, u2] = numbers(walker.key, event);
@@ -157,7 +155,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
             walker.throughput = walker.throughput.map(|t| t / survival);
         }
         let direction = frame::cosine_hemisphere(hit.normal, [f64::from(u1), f64::from(u2)]);
-        Some(Ray::new(at.origin, direction))
+        Some(Ray::new(position, direction))
     }
 
     fn finish<Source: PathSource<Tag = Tag>>(

@@ -1,0 +1,37 @@
+//! Why a scene cannot be rendered.
+
+use snowgrain_accel::GridError;
+use snowgrain_film::FilmError;
+use snowgrain_grains::GrainsError;
+use thiserror::Error;
+
+/// Why a scene cannot be rendered.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// Snow cannot be made.
+    #[error("snow.{index}: {source}")]
+    Snow {
+        /// Which `[[snow]]`, from 0.
+        index: usize,
+        /// Why.
+        source: GrainsError,
+    },
+    /// Snow cannot be packed for light.
+    #[error("{0}")]
+    Grid(#[from] GridError),
+    /// The film refused a sample or a size.
+    #[error("{0}")]
+    Film(#[from] FilmError),
+    /// The scene needs more memory than there is.
+    #[error(
+        "the scene needs about {needed} of memory and {available} may be used ({limit}); use fewer or larger grains, a smaller picture, or raise --max-memory"
+    )]
+    Memory {
+        /// Estimated need, formatted.
+        needed: String,
+        /// Limit, formatted.
+        available: String,
+        /// Where the limit comes from.
+        limit: String,
+    },
+}

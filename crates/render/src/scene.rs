@@ -1,0 +1,235 @@
+//! A scene that light can travel through.
+
+use crate::camera::Camera;
+use crate::description::{IceDescription, ObjectShape, SceneDescription, SnowDescription};
+use crate::light::Environment;
+use crate::scene_hash::{GrainDigest, hash_scene};
+use crate::{RenderError, World};
+use snowgrain_accel::{GrainGrid, SurfaceShape, Surfaces};
+use snowgrain_geometry::{Quantisation, teapot::teapot};
+use snowgrain_grains::{DepositReport, GrainField, LatticeCell, LatticeSettings, Snowfall};
+use snowgrain_math::{Aabb, DVec3};
+use std::sync::Arc;
+
+/// Quads along each edge of a patch of the built-in teapot: 65 536 triangles, 3 mm wide on a
+/// teapot of .2 m.
+const TEAPOT_DIVISIONS: u32 = 32;
+
+/// What a build is about to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuildStage {
+    /// The structure that finds surfaces.
+    Surfaces,
+    /// Snow number `index` falls or is placed.
+    Snow {
+        /// Index among the scene's snow, from 0.
+        index: usize,
+    },
+    /// Grains are packed for light.
+    Packing,
+}
+
+/// What a build made.
+#[derive(Clone, Debug, Default)]
+pub struct BuildReport {
+    /// Of each snowfall; `None` for snow that was placed.
+    pub snowfalls: Vec<Option<DepositReport>>,
+    /// Number of grains.
+    pub grains: u64,
+    /// Memory of the grains and their acceleration while rendering, bytes.
+    pub grain_bytes: u64,
+    /// Memory of the surfaces, bytes.
+    pub surface_bytes: u64,
+}
+
+/// Everything between a description and a picture.
+#[derive(Debug)]
+pub struct Scene {
+    /// What light can meet.
+    pub world: World,
+    /// The camera.
+    pub camera: Camera,
+    /// The lights.
+    pub environment: Environment,
+    /// Optical constants.
+    pub ice: IceDescription,
+    /// Size and sampling of the picture.
+    pub film: crate::description::FilmDescription,
+    /// Digest of all content that decides the pixels but the seed and the samples.
+    pub hash: [u8; 32],
+    /// What the build made.
+    pub report: BuildReport,
+}
+
+impl Scene {
+    /// Lets the snow fall and packs it; `stage` is told what is about to be done.
+    ///
+    /// # Errors
+    /// Snow that cannot be made or packed.
+    pub fn build(
+        description: &SceneDescription,
+        stage: &mut dyn FnMut(BuildStage),
+    ) -> Result<Self, RenderError> {
+        stage(BuildStage::Surfaces);
+        let surfaces = surfaces_of(description);
+        let mut report = BuildReport::default();
+        let (grid, digest) = build_grid(description, &surfaces, &mut report, stage)?;
+        report.grains = grid.grains();
+        report.grain_bytes = grid.memory_bytes();
+        report.surface_bytes = surfaces.memory_bytes() as u64;
+        Ok(Self {
+            hash: hash_scene(description, &digest),
+            world: World {
+                grid,
+                surfaces,
+                albedos: description.objects.iter().map(|object| object.albedo).collect(),
+                eta: description.ice.ior,
+            },
+            camera: Camera::new(&description.camera, &description.film),
+            environment: Environment::new(&description.lights, description.camera.backdrop),
+            ice: description.ice.clone(),
+            film: description.film.clone(),
+            report,
+        })
+    }
+}
+
+/// Lets all snow of a scene fall and gives its grains (for `snowgrain deposit`).
+///
+/// # Errors
+/// Snow that cannot be made.
+pub fn deposit(
+    description: &SceneDescription,
+    stage: &mut dyn FnMut(BuildStage),
+) -> Result<(GrainField, Vec<Option<DepositReport>>), RenderError> {
+    stage(BuildStage::Surfaces);
+    let surfaces = surfaces_of(description);
+    let mut report = BuildReport::default();
+    let field = fall(description, &surfaces, &mut report, stage)?;
+    Ok((field, report.snowfalls))
+}
+
+/// The surfaces of a scene's objects, in their order.
+#[must_use]
+pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
+    let shapes: Vec<_> = description
+        .objects
+        .iter()
+        .map(|object| {
+            let shape = match &object.shape {
+                ObjectShape::Sphere => SurfaceShape::Sphere,
+                ObjectShape::Box => SurfaceShape::Box,
+                ObjectShape::Plane => SurfaceShape::Plane,
+                ObjectShape::Teapot => SurfaceShape::Mesh(Arc::new(teapot(TEAPOT_DIVISIONS))),
+                ObjectShape::Mesh(mesh) => SurfaceShape::Mesh(Arc::clone(mesh)),
+            };
+            (shape, object.transform)
+        })
+        .collect();
+    Surfaces::new(&shapes)
+}
+
+/// One lattice alone needs no memory; everything else is packed grain by grain.
+fn build_grid(
+    description: &SceneDescription,
+    surfaces: &Surfaces,
+    report: &mut BuildReport,
+    stage: &mut dyn FnMut(BuildStage),
+) -> Result<(GrainGrid, GrainDigest), RenderError> {
+    if let [SnowDescription::Lattice(settings)] = description.snow.as_slice() {
+        let quantisation = quantisation_of(description, surfaces);
+        if let Some(lattice) = implicit_lattice(settings, quantisation, surfaces)? {
+            stage(BuildStage::Packing);
+            report.snowfalls.push(None);
+            return Ok(lattice);
+        }
+    }
+    let field = fall(description, surfaces, report, stage)?;
+    stage(BuildStage::Packing);
+    let grid = GrainGrid::build(field.quantisation, &field.grains, surfaces)?;
+    let digest = GrainDigest::new(field.quantisation, field.grains.iter().copied());
+    Ok((grid, digest))
+}
+
+/// The lattice without memory, where it is whole and no surface crosses it.
+fn implicit_lattice(
+    settings: &LatticeSettings,
+    quantisation: Quantisation,
+    surfaces: &Surfaces,
+) -> Result<Option<(GrainGrid, GrainDigest)>, RenderError> {
+    let cell = LatticeCell::new(settings, &quantisation)
+        .map_err(|source| RenderError::Snow { index: 0, source })?;
+    let whole = cell.kept == settings.full_count();
+    let packed = snowgrain_accel::LatticeCell {
+        side_quanta: cell.side_quanta,
+        basis: cell.basis.clone(),
+        radius_quanta: cell.radius,
+    };
+    let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3])?;
+    if !whole || (!surfaces.is_empty() && surfaces.may_cross(&grid.bounds())) {
+        return Ok(None);
+    }
+    let digest = GrainDigest::new(quantisation, cell.grains());
+    Ok(Some((grid, digest)))
+}
+
+/// Lets the snow of the scene fall, in order.
+fn fall(
+    description: &SceneDescription,
+    surfaces: &Surfaces,
+    report: &mut BuildReport,
+    stage: &mut dyn FnMut(BuildStage),
+) -> Result<GrainField, RenderError> {
+    let quantisation = quantisation_of(description, surfaces);
+    let mut snowfall = Snowfall::on_surfaces(quantisation, surfaces);
+    for (index, snow) in description.snow.iter().enumerate() {
+        stage(BuildStage::Snow { index });
+        let result = match snow {
+            SnowDescription::Deposit(settings) => snowfall.deposit(settings).map(Some),
+            SnowDescription::Lattice(settings) => snowfall.lattice(settings).map(|()| None),
+            SnowDescription::Grains(field) => snowfall.place(field).map(|()| None),
+        };
+        report.snowfalls.push(result.map_err(|source| RenderError::Snow { index, source })?);
+    }
+    Ok(snowfall.into_field())
+}
+
+/// One lattice of quanta for all snow of a scene: that of a grain file where it holds all other
+/// grains too (so that the file comes back bit for bit), else made for the largest radius around
+/// the whole metre nearest to the middle of the scene.
+fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quantisation {
+    let mut largest: f64 = 0.0;
+    let mut bounds = surfaces.bounds();
+    let mut from_file: Option<Quantisation> = None;
+    // Lattices start at the origin of the quanta, which must then be that of the scene.
+    let mut at_origin = false;
+    for snow in &description.snow {
+        match snow {
+            SnowDescription::Deposit(settings) => {
+                largest = largest.max(settings.radii.largest());
+                if let Some([x0, z0, x1, z1]) = settings.area {
+                    bounds =
+                        bounds.union(&Aabb::new(DVec3::new(x0, 0.0, z0), DVec3::new(x1, 0.0, z1)));
+                }
+            }
+            SnowDescription::Lattice(settings) => {
+                largest = largest.max(settings.radius);
+                at_origin = true;
+            }
+            SnowDescription::Grains(field) => {
+                let radius =
+                    f64::from(field.largest_radius_quanta()) * field.quantisation.quantum();
+                largest = largest.max(radius);
+                bounds = bounds.union(&field.bounds());
+                if from_file.is_none_or(|q| q.quantum() < field.quantisation.quantum()) {
+                    from_file = Some(field.quantisation);
+                }
+            }
+        }
+    }
+    if let Some(quantisation) = from_file.filter(|q| largest <= q.largest_radius()) {
+        return quantisation;
+    }
+    let origin = if bounds.is_empty() || at_origin { DVec3::ZERO } else { bounds.center().round() };
+    Quantisation::for_grains(origin, if largest > 0.0 { largest } else { 1.0 })
+}

@@ -1,0 +1,116 @@
+//! A digest of everything that decides the pixels.
+
+use crate::description::{LightDescription, ObjectShape, SceneDescription};
+use snowgrain_geometry::{Quantisation, QuantisedGrain};
+
+/// Digest of grains as they are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GrainDigest([u8; 32]);
+
+impl GrainDigest {
+    /// Of all grains, in their order.
+    #[must_use]
+    pub(crate) fn new(
+        quantisation: Quantisation,
+        grains: impl Iterator<Item = QuantisedGrain>,
+    ) -> Self {
+        const BATCH: usize = 1 << 16;
+        let mut hasher = blake3::Hasher::new();
+        let mut bytes = Vec::with_capacity(BATCH + 14);
+        for grain in grains {
+            for coordinate in grain.center {
+                bytes.extend_from_slice(&coordinate.to_le_bytes());
+            }
+            bytes.extend_from_slice(&grain.radius.to_le_bytes());
+            if bytes.len() >= BATCH {
+                hasher.update(&bytes);
+                bytes.clear();
+            }
+        }
+        hasher.update(&bytes);
+        let origin = quantisation.origin();
+        for value in [origin.x, origin.y, origin.z, quantisation.quantum()] {
+            hasher.update(&value.to_le_bytes());
+        }
+        Self(*hasher.finalize().as_bytes())
+    }
+}
+
+/// Digest of the resolved content: grains as stored, objects, camera, lights, ice and the size of
+/// the picture; not the seed, the number of samples, or names.
+#[must_use]
+pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8; 32] {
+    let mut hash = Hash(blake3::Hasher::new());
+    hash.tag("film");
+    hash.words(&[scene.film.width, scene.film.height]);
+    hash.tag("camera");
+    for vector in [scene.camera.from, scene.camera.at, scene.camera.up] {
+        hash.doubles(&vector.to_array());
+    }
+    hash.doubles(&[scene.camera.vertical_fov_degrees]);
+    hash.floats(&scene.camera.backdrop);
+    hash.tag("ice");
+    hash.doubles(&[scene.ice.ior, scene.ice.absorption_per_metre]);
+    for light in &scene.lights {
+        let (tag, radiance, visible) = match light {
+            LightDescription::Sky { radiance, visible_to_camera } => {
+                ("sky", radiance, visible_to_camera)
+            }
+            LightDescription::Uniform { radiance, visible_to_camera } => {
+                ("uniform", radiance, visible_to_camera)
+            }
+        };
+        hash.tag(tag);
+        hash.floats(radiance);
+        hash.words(&[u32::from(*visible)]);
+    }
+    for object in &scene.objects {
+        hash.tag(match object.shape {
+            ObjectShape::Sphere => "sphere",
+            ObjectShape::Box => "box",
+            ObjectShape::Plane => "plane",
+            ObjectShape::Teapot => "teapot",
+            ObjectShape::Mesh(_) => "mesh",
+        });
+        if let ObjectShape::Mesh(mesh) = &object.shape {
+            for position in &mesh.positions {
+                hash.doubles(&position.to_array());
+            }
+            for triangle in &mesh.triangles {
+                hash.words(triangle);
+            }
+        }
+        hash.floats(&object.albedo);
+        hash.doubles(&object.transform.to_cols_array());
+    }
+    hash.tag("grains");
+    hash.0.update(&grains.0);
+    *hash.0.finalize().as_bytes()
+}
+
+struct Hash(blake3::Hasher);
+
+impl Hash {
+    fn tag(&mut self, name: &str) {
+        self.0.update(&(name.len() as u64).to_le_bytes());
+        self.0.update(name.as_bytes());
+    }
+
+    fn doubles(&mut self, values: &[f64]) {
+        for value in values {
+            self.0.update(&value.to_le_bytes());
+        }
+    }
+
+    fn floats(&mut self, values: &[f32]) {
+        for value in values {
+            self.0.update(&value.to_le_bytes());
+        }
+    }
+
+    fn words(&mut self, values: &[u32]) {
+        for value in values {
+            self.0.update(&value.to_le_bytes());
+        }
+    }
+}
