@@ -32,7 +32,7 @@ use rules::{Drop, Fate};
 
 pub use fill::reached_solid_fraction;
 use snowgrain_accel::{GrainStacks, PlanRectangle, Surfaces};
-use snowgrain_geometry::{QuantisedGrain, Quantisation};
+use snowgrain_geometry::{Quantisation, QuantisedGrain};
 
 /// Drops in a row without a grain that lies, after which a snowfall gives up.
 const HOPELESS_DROPS: u64 = 200_000;
@@ -208,7 +208,10 @@ impl<'a> Snowfall<'a> {
         }
         let [x0, z0, x1, z1] = quanta;
         if x0 >= x1 || z0 >= z1 {
-            return Err(GrainsError::setting("area", "is narrower than a grain can tell; widen it"));
+            return Err(GrainsError::setting(
+                "area",
+                "is narrower than a grain can tell; widen it",
+            ));
         }
         Ok(PlanRectangle { min: [x0, z0], max: [x1, z1] })
     }
@@ -216,7 +219,8 @@ impl<'a> Snowfall<'a> {
     fn default_area(&self, settings: &DepositSettings) -> Result<[f64; 4], GrainsError> {
         let mut bounds = self.ground.bounds();
         if bounds.is_empty() {
-            let lying = self.stacks.iter().flat_map(GrainStacks::iter).chain(self.placed.iter().copied());
+            let lying =
+                self.stacks.iter().flat_map(GrainStacks::iter).chain(self.placed.iter().copied());
             bounds = crate::field::bounds_of(lying, &self.quantisation);
         }
         if bounds.is_empty() {

@@ -1,6 +1,6 @@
 //! A pack of grains.
 
-use snowgrain_geometry::{Grain, QuantisedGrain, Quantisation};
+use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
 use snowgrain_math::Aabb;
 
 /// Grains on one quantisation lattice, in a deterministic order.

@@ -7,7 +7,7 @@
 //! close-packed layers normal to z).
 
 use crate::{GrainField, GrainsError, ICE_DENSITY, LatticeKind, LatticeSettings};
-use snowgrain_geometry::{GeometryError, QuantisedGrain, Quantisation};
+use snowgrain_geometry::{GeometryError, Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::split_mix;
 
 /// Most grains of a lattice that is stored grain by grain.

@@ -94,7 +94,8 @@ impl DepositSettings {
         self.radii.check()?;
         let largest = self.radii.largest();
         if largest > largest_radius * (1.0 + 1e-9) {
-            let reason = format!("goes up to {largest} m, but grains here up to {largest_radius} m");
+            let reason =
+                format!("goes up to {largest} m, but grains here up to {largest_radius} m");
             return Err(GrainsError::setting("radius", reason));
         }
         if let Amount::Depth(depth) = self.amount
@@ -111,7 +112,8 @@ impl DepositSettings {
         if let Some([x0, z0, x1, z1]) = self.area
             && !(x0 < x1 && z0 < z1 && [x0, z0, x1, z1].iter().all(|v| v.is_finite()))
         {
-            let reason = format!("[{x0}, {z0}, {x1}, {z1}] must be [x0, z0, x1, z1], x0 < x1, z0 < z1");
+            let reason =
+                format!("[{x0}, {z0}, {x1}, {z1}] must be [x0, z0, x1, z1], x0 < x1, z0 < z1");
             return Err(GrainsError::setting("area", reason));
         }
         Ok(())
@@ -124,7 +126,9 @@ fn check_density(density: Option<f64>) -> Result<(), GrainsError> {
     match density {
         Some(density) if !(density > 0.0 && density <= ICE_DENSITY) => Err(GrainsError::setting(
             "density",
-            format!("is {density} kg/m3, but must lie above 0 and up to that of ice, {ICE_DENSITY}"),
+            format!(
+                "is {density} kg/m3, but must lie above 0 and up to that of ice, {ICE_DENSITY}"
+            ),
         )),
         _ => Ok(()),
     }
@@ -189,8 +193,10 @@ impl LatticeSettings {
         if let Some(spacing) = self.spacing
             && !(spacing >= self.radius && spacing.is_finite())
         {
-            let reason =
-                format!("is {spacing} m, but must be finite and at least the radius, {} m", self.radius);
+            let reason = format!(
+                "is {spacing} m, but must be finite and at least the radius, {} m",
+                self.radius
+            );
             return Err(GrainsError::setting("spacing", reason));
         }
         check_density(self.density)

@@ -40,8 +40,7 @@ pub fn reached_solid_fraction(
         }
     };
     let mut trial = Snowfall::on_level_floor(quantisation, [width, width])?;
-    let settings =
-        DepositSettings { amount, density: None, area: None, ..settings.clone() };
+    let settings = DepositSettings { amount, density: None, area: None, ..settings.clone() };
     trial.deposit(&settings)?;
     let period = trial.period().unwrap_or([width, width]);
     let field = trial.into_field();
@@ -56,8 +55,7 @@ pub(super) fn check_density(
     area: PlanRectangle,
 ) -> Result<(), GrainsError> {
     let Some(density) = settings.density else { return Ok(()) };
-    let edge =
-        |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) * quantum;
+    let edge = |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) * quantum;
     let reached = ICE_DENSITY * reached_solid_fraction(settings, edge(0) * edge(1))?;
     if (density - reached).abs() <= DENSITY_TOLERANCE * reached {
         return Ok(());

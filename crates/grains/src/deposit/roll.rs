@@ -72,8 +72,8 @@ impl Arc {
     fn meets(&self, other: DVec3, reach: f64) -> Option<f64> {
         let d = other - self.center;
         let (p, q) = (d.dot(self.u), d.dot(self.v));
-        let k = (self.radius * self.radius + d.length_squared() - reach * reach)
-            / (2.0 * self.radius);
+        let k =
+            (self.radius * self.radius + d.length_squared() - reach * reach) / (2.0 * self.radius);
         let amplitude = (p * p + q * q).sqrt();
         if k >= amplitude {
             return None;
@@ -111,7 +111,10 @@ enum Motion {
     Rests,
     Falls,
     /// Rolls over one or two contacts (indices; equal where there is one).
-    Rolls { over: [usize; 2], arc: Arc },
+    Rolls {
+        over: [usize; 2],
+        arc: Arc,
+    },
 }
 
 /// What ends an arc.
@@ -194,8 +197,7 @@ impl<'a> Roller<'a> {
     fn fall(&mut self, stacks: &GrainStacks, at: &mut DVec3, radius: f64) -> Option<Rest> {
         self.ignored.extend(self.contacts.iter().map(|contact| contact.slot));
         let down_to = f64::NEG_INFINITY;
-        let fall =
-            Fall { x: at.x, z: at.z, radius, from: at.y, down_to, ignored: &self.ignored };
+        let fall = Fall { x: at.x, z: at.z, radius, from: at.y, down_to, ignored: &self.ignored };
         let hit = stacks.first_contact(&fall);
         self.contacts.clear();
         let down_to = hit.map_or(down_to, |hit| hit.height);
@@ -217,9 +219,7 @@ impl<'a> Roller<'a> {
         let normal = |index: usize| (at - self.contacts[index].center).normalize();
         let count = self.contacts.len();
         let allowed = |velocity: DVec3, pressing: [usize; 2]| {
-            (0..count).all(|i| {
-                pressing.contains(&i) || velocity.dot(normal(i)) >= -SPEED_MARGIN
-            })
+            (0..count).all(|i| pressing.contains(&i) || velocity.dot(normal(i)) >= -SPEED_MARGIN)
         };
         if allowed(DVec3::NEG_Y, [count; 2]) {
             return Motion::Falls;
@@ -239,7 +239,8 @@ impl<'a> Roller<'a> {
                 if determinant < 1e-12 {
                     continue;
                 }
-                let (press_a, press_b) = ((a.y - c * b.y) / determinant, (b.y - c * a.y) / determinant);
+                let (press_a, press_b) =
+                    ((a.y - c * b.y) / determinant, (b.y - c * a.y) / determinant);
                 let velocity = DVec3::NEG_Y + a * press_a + b * press_b;
                 if press_a > 0.0 && press_b > 0.0 && allowed(velocity, [i, j]) {
                     let from = self.contacts[i].center;

@@ -4,7 +4,7 @@ use super::ground::Ground;
 use super::roll::Roller;
 use crate::{DepositRule, DepositSettings, GrainsError};
 use snowgrain_accel::{Fall, GrainStacks, PlanRectangle};
-use snowgrain_geometry::{GeometryError, QuantisedGrain, Quantisation};
+use snowgrain_geometry::{GeometryError, Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, pcg3d};
 use snowgrain_math::{DVec3, trig};
 
@@ -46,8 +46,7 @@ impl<'a> Drop<'a> {
         snowfall: u64,
     ) -> Self {
         let slope = settings.max_slope_degrees;
-        let least_cosine =
-            if slope >= 90.0 { 0.0 } else { trig::sin_cos(slope.to_radians()).1 };
+        let least_cosine = if slope >= 90.0 { 0.0 } else { trig::sin_cos(slope.to_radians()).1 };
         Self {
             rule: settings.rule,
             quantisation: *quantisation,
@@ -63,11 +62,7 @@ impl<'a> Drop<'a> {
     }
 
     /// Lets drop number `index` fall on what lies.
-    pub(super) fn fall(
-        &mut self,
-        stacks: &GrainStacks,
-        index: u64,
-    ) -> Result<Fate, GrainsError> {
+    pub(super) fn fall(&mut self, stacks: &GrainStacks, index: u64) -> Result<Fate, GrainsError> {
         let key = PathKey::new(self.seed, index, self.snowfall);
         let [a, b, c] = pcg3d(key.lo, key.hi, 0);
         let PlanRectangle { min, max } = self.area;

@@ -23,8 +23,7 @@ fn quantisation(largest: f64) -> Quantisation {
 
 /// A pile of equal grains on a level periodic floor `width` radii wide.
 fn pile(rule: DepositRule, width: f64, grains: u64) -> (GrainField, [f64; 2], DepositReport) {
-    let mut snow =
-        Snowfall::on_level_floor(quantisation(R), [width * R, width * R]).unwrap();
+    let mut snow = Snowfall::on_level_floor(quantisation(R), [width * R, width * R]).unwrap();
     let report = snow.deposit(&settings(rule, Amount::Grains(grains))).unwrap();
     let period = snow.period().unwrap();
     (snow.into_field(), period, report)

@@ -90,8 +90,7 @@ impl Buckets {
             for axis in [0, 2] {
                 let period = self.period[axis];
                 if period > 0 {
-                    grain.center[axis] =
-                        i64::from(grain.center[axis]).rem_euclid(period) as i32;
+                    grain.center[axis] = i64::from(grain.center[axis]).rem_euclid(period) as i32;
                 }
             }
         }
