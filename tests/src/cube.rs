@@ -81,20 +81,21 @@ impl LatticeCube {
     }
 
     /// Light from all around, cosine-distributed over the faces of the hull [0, N]^3; paths that
-    /// miss every grain are counted. Event 0 is the place, event 1 the direction and the face.
+    /// miss every grain are counted. Event 0 is the face and the place on it, event 1 the direction.
     #[must_use]
     pub fn lit_all_around(&self, paths: u64, seed: u64) -> CubeMeasure {
         let side = f64::from(self.side);
         self.measure(paths, |index| {
             let key = PathKey::new(seed, index, 0);
-            let [a, b, _] = numbers(key, 0).map(f64::from);
-            let [face, u1, u2] = numbers(key, 1).map(f64::from);
+            let [face, a, b] = numbers(key, 0).map(f64::from);
+            let [_, u1, u2] = numbers(key, 1).map(f64::from);
             let face = (face * 6.0) as usize;
-            let axis = face % 3;
+            let axis = face / 2;
+            let lower = face % 2 == 0;
             let mut inward = DVec3::ZERO;
-            inward[axis] = if face < 3 { 1.0 } else { -1.0 };
+            inward[axis] = if lower { 1.0 } else { -1.0 };
             let mut origin = DVec3::ZERO;
-            origin[axis] = if face < 3 { 0.0 } else { side };
+            origin[axis] = if lower { 0.0 } else { side };
             origin[(axis + 1) % 3] = a * side;
             origin[(axis + 2) % 3] = b * side;
             (key, 2, origin, frame::cosine_hemisphere(inward, [u1, u2]))

@@ -19,6 +19,7 @@ mod tests;
 use block::{Block, GRAINS_PER_BLOCK, NO_BLOCK};
 use fearless_simd::Level;
 use snowgrain_geometry::QuantisedGrain;
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 pub use fall::{Fall, FallHit};
@@ -83,6 +84,7 @@ const EMPTY_CELL: Cell = Cell { newest: NO_BLOCK, top: i32::MIN };
 #[derive(Debug)]
 pub struct GrainStacks {
     side: i32,
+    cells_per_quantum: f64,
     /// Indices of the first column and row, in cells from the lattice's origin shifted by `anchor`.
     first: [i32; 2],
     counts: [i32; 2],
@@ -140,6 +142,7 @@ impl GrainStacks {
     fn without_cells(anchor: [i32; 2], side: u16, periodic: bool) -> Self {
         Self {
             side: i32::from(side.max(1)),
+            cells_per_quantum: 1.0 / f64::from(side.max(1)),
             first: [0, 0],
             counts: [0, 0],
             anchor,
@@ -201,8 +204,8 @@ impl GrainStacks {
         }
         let (mut first, mut counts) = ([0i32; 2], [0i32; 2]);
         for axis in 0..2 {
-            let mut low = self.cell_coordinate(f64::from(plan.min[axis]), axis);
-            let mut high = self.cell_coordinate(f64::from(plan.max[axis]), axis) + 1;
+            let mut low = self.cell_coordinate(plan.min[axis], axis);
+            let mut high = self.cell_coordinate(plan.max[axis], axis) + 1;
             if self.counts[axis] > 0 {
                 low = low.min(self.first[axis].into());
                 high = high.max(i64::from(self.first[axis]) + i64::from(self.counts[axis]));
@@ -238,8 +241,8 @@ impl GrainStacks {
     /// [`GrainStacksError::OutsideArea`], [`GrainStacksError::TooManyGrains`].
     pub fn push(&mut self, grain: QuantisedGrain) -> Result<GrainSlot, GrainStacksError> {
         let [x, y, z] = grain.center;
-        let column = self.cell_coordinate(x.into(), 0);
-        let row = self.cell_coordinate(z.into(), 1);
+        let column = self.cell_coordinate(x, 0);
+        let row = self.cell_coordinate(z, 1);
         let index = self.cell_index(column, row).ok_or(GrainStacksError::OutsideArea)?;
         let corner = self.corner(column, row);
         let cell = self.cells[index];
@@ -306,10 +309,25 @@ impl GrainStacks {
         &mut self.chunks[index as usize / BLOCKS_PER_CHUNK][index as usize % BLOCKS_PER_CHUNK]
     }
 
-    /// Column (axis 0) or row (axis 1) of a coordinate, before wrapping.
+    /// Column (axis 0) or row (axis 1) of a whole coordinate, before wrapping.
+    fn cell_coordinate(&self, coordinate: i32, axis: usize) -> i64 {
+        (i64::from(coordinate) - i64::from(self.anchor[axis])).div_euclid(self.side.into())
+    }
+
+    /// Column or row of a coordinate, but for rounding: within much less than a quantum of the
+    /// border between two, either of them.
     #[inline(always)]
-    fn cell_coordinate(&self, coordinate: f64, axis: usize) -> i64 {
-        (coordinate.floor() as i64 - i64::from(self.anchor[axis])).div_euclid(self.side.into())
+    fn nearest_cell_coordinate(&self, coordinate: f64, axis: usize) -> i64 {
+        let cells = (coordinate - f64::from(self.anchor[axis])) * self.cells_per_quantum;
+        let towards_zero = cells as i64;
+        towards_zero - i64::from(towards_zero as f64 > cells)
+    }
+
+    /// Columns or rows of all grains whose centres lie within `reach` quanta of a coordinate.
+    #[inline(always)]
+    fn cell_range(&self, coordinate: f64, reach: f64, axis: usize) -> RangeInclusive<i64> {
+        self.nearest_cell_coordinate(coordinate - reach - 1.0, axis)
+            ..=self.nearest_cell_coordinate(coordinate + reach + 1.0, axis)
     }
 
     /// Least corner of the cell in an unwrapped column and row.

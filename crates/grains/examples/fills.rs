@@ -4,6 +4,7 @@
 //! (equal grains on a level periodic floor `width` radii wide, no slope discard).
 
 use snowgrain_geometry::Quantisation;
+use snowgrain_grains::measures::mean_surface_height;
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, PackReport, Radii, Snowfall};
 use snowgrain_math::DVec3;
 use std::time::Instant;
@@ -41,7 +42,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let floor = radius * (1.0 + 1e-3);
     let start = Instant::now();
     let pack = PackReport::of(&field, period, &|grain| grain.center.y <= floor);
-    println!("{:.1} r deep: {pack}", field.bounds().max.y / radius);
+    let depth = period.map_or(0.0, |period| mean_surface_height(&field, period));
+    println!("{:.1} r deep: {pack}", depth / radius);
     println!("measured in {:.2} s", start.elapsed().as_secs_f64());
     Ok(())
 }

@@ -6,7 +6,8 @@ mod fractions;
 
 pub use connections::{Connections, TOUCH_TOLERANCE_QUANTA, connections};
 pub use fractions::{
-    Estimate, Slab, nominal_solid_fraction, solid_fraction_profile, union_solid_fraction,
+    Estimate, Slab, mean_surface_height, nominal_solid_fraction, solid_fraction_profile,
+    union_solid_fraction,
 };
 
 use crate::GrainField;

@@ -80,14 +80,13 @@ struct Found {
 fn search<S: Simd>(simd: S, stacks: &GrainStacks, fall: &Fall<'_>) -> Option<FallHit> {
     let mut found = Found { height: fall.down_to, hit: None };
     let reach = fall.radius + f64::from(stacks.largest_radius);
-    let column = stacks.cell_coordinate(fall.x, 0);
-    let row = stacks.cell_coordinate(fall.z, 1);
+    let column = stacks.nearest_cell_coordinate(fall.x, 0);
+    let row = stacks.nearest_cell_coordinate(fall.z, 1);
     if let Some(cell) = stacks.seen_cell(column, row) {
         search_cell(simd, stacks, fall, &cell, &mut found);
     }
-    let columns =
-        stacks.cell_coordinate(fall.x - reach, 0)..=stacks.cell_coordinate(fall.x + reach, 0);
-    for r in stacks.cell_coordinate(fall.z - reach, 1)..=stacks.cell_coordinate(fall.z + reach, 1) {
+    let columns = stacks.cell_range(fall.x, reach, 0);
+    for r in stacks.cell_range(fall.z, reach, 1) {
         for c in columns.clone() {
             if (c, r) == (column, row) {
                 continue;

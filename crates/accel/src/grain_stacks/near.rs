@@ -28,10 +28,8 @@ fn search<S: Simd>(
     out: &mut Vec<(GrainSlot, QuantisedGrain)>,
 ) {
     let widest = reach + f64::from(stacks.largest_radius);
-    let columns =
-        stacks.cell_coordinate(center.x - widest, 0)..=stacks.cell_coordinate(center.x + widest, 0);
-    let rows =
-        stacks.cell_coordinate(center.z - widest, 1)..=stacks.cell_coordinate(center.z + widest, 1);
+    let columns = stacks.cell_range(center.x, widest, 0);
+    let rows = stacks.cell_range(center.z, widest, 1);
     let lowest_top = center.y - reach;
     for row in rows {
         for column in columns.clone() {

@@ -32,6 +32,17 @@ impl Drop {
 }
 
 impl Triangle {
+    /// Whether a sphere whose centre stays above `least_y` clearly falls past.
+    pub(super) fn is_beside(&self, drop: &Drop, least_y: f64) -> bool {
+        let [a, b, c] = self.corners;
+        let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+        drop.x - max.x > drop.radius
+            || min.x - drop.x > drop.radius
+            || drop.z - max.z > drop.radius
+            || min.z - drop.z > drop.radius
+            || least_y - max.y > drop.radius
+    }
+
     /// Height of the centre at the first contact, and what is touched.
     ///
     /// The centres at which the sphere overlaps the triangle are the triangle grown by the radius:

@@ -197,25 +197,20 @@ impl Surfaces {
             return Some(SphereContact { center_y, point, normal, id });
         }
         let mut first: Option<SphereContact> = None;
-        let mut found = |contact: SphereContact| {
-            let first_y = first.map_or(f64::NEG_INFINITY, |held| held.center_y);
-            let tie = contact.center_y == first_y;
-            if contact.center_y > first_y || tie && first.is_some_and(|f| contact.id < f.id) {
-                first = Some(contact);
-            }
-            first.map_or(f64::NEG_INFINITY, |held| held.center_y)
-        };
         for solid in &self.solids {
             solid.drop_sphere(&drop, |y, touch, id| {
-                found(SphereContact::new(y, touch, id));
+                keep_higher(&mut first, SphereContact::new(y, touch, id));
             });
         }
         let mut column = Aabb::new(drop.start() - radius, drop.start() + radius);
         column.min.y = f64::NEG_INFINITY;
         self.bvh.visit(&column, |triangle, query| {
-            if let Some((y, touch)) = triangle.drop_sphere(&drop) {
-                let first_y = found(SphereContact::new(y, touch, triangle.id));
-                query.raise(first_y - radius);
+            let first_y = first.map_or(f64::NEG_INFINITY, |held| held.center_y);
+            if !triangle.is_beside(&drop, first_y)
+                && let Some((y, touch)) = triangle.drop_sphere(&drop)
+            {
+                keep_higher(&mut first, SphereContact::new(y, touch, triangle.id));
+                query.raise(first_y.max(y) - radius);
             }
             ControlFlow::Continue(())
         });
@@ -273,6 +268,17 @@ impl Surfaces {
 impl SphereContact {
     fn new(center_y: f64, touch: Touch, id: SurfaceId) -> Self {
         Self { center_y, point: touch.point, normal: touch.normal, id }
+    }
+}
+
+/// Replaces `first` by a contact that a falling sphere meets before it.
+fn keep_higher(first: &mut Option<SphereContact>, contact: SphereContact) {
+    let earlier = first.is_none_or(|held| {
+        contact.center_y > held.center_y
+            || (contact.center_y == held.center_y && contact.id < held.id)
+    });
+    if earlier {
+        *first = Some(contact);
     }
 }
 

@@ -124,13 +124,23 @@ fn brute_force(
     ray: &Ray,
     exclude: Option<SurfaceId>,
 ) -> Option<(f64, SurfaceId)> {
-    let sheared = triangle::ShearedRay::new(ray);
+    let sheared = (
+        triangle::ShearedRay::<0>::new(ray),
+        triangle::ShearedRay::<1>::new(ray),
+        triangle::ShearedRay::<2>::new(ray),
+    );
+    let main = triangle::main_axis(ray.direction);
+    let meet = |t: &Triangle| match main {
+        0 => t.intersect(&sheared.0),
+        1 => t.intersect(&sheared.1),
+        _ => t.intersect(&sheared.2),
+    };
     let triangles = surfaces
         .bvh
         .triangles
         .iter()
         .filter(|t| Some(t.id) != exclude)
-        .filter_map(|t| Some((t.intersect(&sheared)?, t.id)));
+        .filter_map(|t| Some((meet(t)?, t.id)));
     let solids = surfaces.solids.iter().filter_map(|s| s.intersect(ray, exclude));
     triangles.chain(solids.map(|hit| (hit.t, hit.id))).min_by(|a, b| a.partial_cmp(b).unwrap())
 }

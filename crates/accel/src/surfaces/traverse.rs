@@ -2,7 +2,7 @@
 
 use super::SurfaceId;
 use super::bvh::{Bvh, Node, Stack, Step, WIDTH};
-use super::triangle::{ROUNDING, ShearedRay, Triangle};
+use super::triangle::{ROUNDING, ShearedRay, Triangle, main_axis};
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use snowgrain_math::Ray;
 
@@ -19,6 +19,8 @@ const LEAST_DIRECTION: f32 = 1e-20;
 
 /// A ray as the boxes see it, from where it enters the box around everything.
 struct BoxRay {
+    /// Distance from the ray's own origin to where it enters, metres.
+    enter: f64,
     /// Index into [`Node::corners`] of the nearer plane of each axis.
     near: [usize; 3],
     /// The origin moved along the ray for nearer planes (met earlier), against it for farther ones.
@@ -47,22 +49,33 @@ impl Bvh {
             return None;
         }
         let boxes = BoxRay::new(self, ray, enter, slack);
-        dispatch!(level, simd => self.nearest(simd, ray, &boxes, enter, t_max, exclude))
+        match main_axis(ray.direction) {
+            0 => {
+                let sheared = ShearedRay::<0>::new(ray);
+                dispatch!(level, simd => self.nearest(simd, &sheared, &boxes, t_max, exclude))
+            }
+            1 => {
+                let sheared = ShearedRay::<1>::new(ray);
+                dispatch!(level, simd => self.nearest(simd, &sheared, &boxes, t_max, exclude))
+            }
+            _ => {
+                let sheared = ShearedRay::<2>::new(ray);
+                dispatch!(level, simd => self.nearest(simd, &sheared, &boxes, t_max, exclude))
+            }
+        }
     }
 
     #[inline(always)]
-    fn nearest<S: Simd>(
+    fn nearest<S: Simd, const MAIN: usize>(
         &self,
         simd: S,
-        ray: &Ray,
+        sheared: &ShearedRay<MAIN>,
         boxes: &BoxRay,
-        enter: f64,
         t_max: f64,
         exclude: Option<SurfaceId>,
     ) -> Option<(f64, &Triangle)> {
-        let sheared = ShearedRay::new(ray);
         let mut nearest: Option<(f64, &Triangle)> = None;
-        let mut limit = box_limit(t_max - enter);
+        let mut limit = box_limit(t_max - boxes.enter);
         let mut stack = Stack::new();
         while let Some((key, child)) = stack.pop() {
             // Keys are negative distances; the root's is infinite.
@@ -73,14 +86,14 @@ impl Bvh {
                 Step::Inner(node) => boxes.push_hit(simd, &self.nodes[node], limit, &mut stack),
                 Step::Leaf(range) => {
                     for triangle in &self.triangles[range] {
-                        let Some(t) = triangle.intersect(&sheared) else { continue };
+                        let Some(t) = triangle.intersect(sheared) else { continue };
                         let closer = match nearest {
                             Some((best, held)) => (t, triangle.id) < (best, held.id),
                             None => t <= t_max,
                         };
                         if closer && Some(triangle.id) != exclude {
                             nearest = Some((t, triangle));
-                            limit = box_limit(t - enter);
+                            limit = box_limit(t - boxes.enter);
                         }
                     }
                 }
@@ -109,6 +122,7 @@ impl BoxRay {
             })
         };
         Self {
+            enter,
             near: direction.map(|d| usize::from(d < 0.0)),
             near_origin: shifted(1.0),
             far_origin: shifted(-1.0),

@@ -11,37 +11,47 @@ pub(super) struct Triangle {
     pub(super) id: SurfaceId,
 }
 
-/// A ray in the form that triangles ask for: sheared so that it runs along one axis (Woop, Benthin
-/// and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT 2(1), section 3).
+/// A ray in the form that triangles ask for: sheared so that it runs along axis `MAIN`, the one
+/// along which its direction is largest (Woop, Benthin and Wald 2013, "Watertight Ray/Triangle
+/// Intersection", JCGT 2(1), section 3).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ShearedRay {
-    origin: [f64; 3],
-    /// The two cross axes and the axis along which the direction is largest.
-    axes: [usize; 3],
+pub(super) struct ShearedRay<const MAIN: usize> {
+    origin: DVec3,
     shear: [f64; 3],
 }
 
-impl ShearedRay {
+/// The axis along which a direction is largest.
+pub(super) fn main_axis(direction: DVec3) -> usize {
+    let d = direction.abs();
+    if d.x >= d.y && d.x >= d.z {
+        0
+    } else if d.y >= d.z {
+        1
+    } else {
+        2
+    }
+}
+
+impl<const MAIN: usize> ShearedRay<MAIN> {
     pub(super) fn new(ray: &Ray) -> Self {
-        let d = ray.direction.abs();
-        let main = if d.x >= d.y && d.x >= d.z {
-            0
-        } else if d.y >= d.z {
-            1
-        } else {
-            2
-        };
-        let axes = [(main + 1) % 3, (main + 2) % 3, main];
-        let along = ray.direction[main];
-        let shear = [ray.direction[axes[0]] / along, ray.direction[axes[1]] / along, 1.0 / along];
-        Self { origin: ray.origin.to_array(), axes, shear }
+        let [x, y, z] = Self::turned(ray.direction);
+        Self { origin: ray.origin, shear: [x / z, y / z, 1.0 / z] }
+    }
+
+    /// The coordinates with the main axis last.
+    #[inline(always)]
+    fn turned(p: DVec3) -> [f64; 3] {
+        match MAIN {
+            0 => [p.y, p.z, p.x],
+            1 => [p.z, p.x, p.y],
+            _ => [p.x, p.y, p.z],
+        }
     }
 
     /// A point seen along the ray: across it (two numbers) and along it.
     #[inline(always)]
     fn view(&self, p: DVec3) -> [f64; 3] {
-        let p = p.to_array();
-        let [x, y, z] = self.axes.map(|axis| p[axis] - self.origin[axis]);
+        let [x, y, z] = Self::turned(p - self.origin);
         [x - self.shear[0] * z, y - self.shear[1] * z, z * self.shear[2]]
     }
 }
@@ -54,7 +64,7 @@ impl Triangle {
     /// exact one is positive. So a ray through an edge or a vertex hits at least one of the
     /// triangles around it.
     #[inline(always)]
-    pub(super) fn intersect(&self, ray: &ShearedRay) -> Option<f64> {
+    pub(super) fn intersect<const MAIN: usize>(&self, ray: &ShearedRay<MAIN>) -> Option<f64> {
         let [a, b, c] = self.corners.map(|p| ray.view(p));
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];

@@ -27,18 +27,22 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// The part of a pack between the given parts of its depth (0: the lowest point of a grain, 1:
-    /// the highest); along x and z the whole period, or, where the pack does not repeat, the same
-    /// parts of its box.
+    /// The part of a pack between the given parts of its depth. The depth of a pack that repeats
+    /// runs from its lowest point to the mean height of its surface, seen from above; along x and z
+    /// the slab takes the whole period. Of a pack that does not repeat, the same parts of its box
+    /// are taken along all three axes.
     #[must_use]
     pub fn between_parts_of_depth(
         field: &GrainField,
         period: Option<[f64; 2]>,
         [low, high]: [f64; 2],
     ) -> Self {
-        let bounds = field.bounds();
+        let mut bounds = field.bounds();
         if bounds.is_empty() {
             return Self { min: DVec3::ZERO, max: DVec3::ZERO, period };
+        }
+        if let Some(period) = period {
+            bounds.max.y = mean_surface_height(field, period);
         }
         let (mut min, mut max) =
             (bounds.min + bounds.size() * low, bounds.min + bounds.size() * high);
@@ -54,6 +58,39 @@ impl Slab {
         let size = (self.max - self.min).max(DVec3::ZERO);
         size.x * size.y * size.z
     }
+}
+
+/// Mean height, metres, at which vertical lines from above meet a pack that repeats with `period`
+/// (metres along x and z), over a regular array of lines about a largest radius apart (at most
+/// 1024 x 1024); lines that meet no grain count with the lowest point of the pack.
+#[must_use]
+pub fn mean_surface_height(field: &GrainField, period: [f64; 2]) -> f64 {
+    let quantum = field.quantisation.quantum();
+    let largest = f64::from(field.largest_radius_quanta().max(1)) * quantum;
+    let counts = period.map(|edge| (edge / largest).round().clamp(1.0, 1024.0));
+    let steps = [period[0] / counts[0], period[1] / counts[1]];
+    let [columns, rows] = counts.map(|count| count as i64);
+    let lowest = field.bounds().min.y;
+    let mut heights = vec![lowest; (columns * rows) as usize];
+    let origin = field.quantisation.origin();
+    for grain in field.iter() {
+        let (x, z) = (grain.center.x - origin.x, grain.center.z - origin.z);
+        let covered = |at: f64, step: f64| {
+            ((at - grain.radius) / step).ceil() as i64..=((at + grain.radius) / step).floor() as i64
+        };
+        for row in covered(z, steps[1]) {
+            for column in covered(x, steps[0]) {
+                let (dx, dz) = (column as f64 * steps[0] - x, row as f64 * steps[1] - z);
+                let rise = (grain.radius * grain.radius - dx * dx - dz * dz).max(0.0).sqrt();
+                let index = row.rem_euclid(rows) * columns + column.rem_euclid(columns);
+                let height = &mut heights[index as usize];
+                if rise > 0.0 {
+                    *height = height.max(grain.center.y + rise);
+                }
+            }
+        }
+    }
+    heights.iter().sum::<f64>() / heights.len() as f64
 }
 
 /// Fraction of `slab` that lies in at least one grain, from about `points` points, one in each of
