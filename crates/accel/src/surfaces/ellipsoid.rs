@@ -128,7 +128,7 @@ fn perpendicular_columns(matrix: DMat3) -> [DVec3; 3] {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let (a, b) = (columns[i], columns[j]);
             let (aa, bb, ab) = (a.length_squared(), b.length_squared(), a.dot(b));
-            if !(ab.abs() > f64::EPSILON * (aa * bb).sqrt()) {
+            if ab.abs() <= f64::EPSILON * (aa * bb).sqrt() {
                 continue;
             }
             let zeta = (bb - aa) / (2.0 * ab);

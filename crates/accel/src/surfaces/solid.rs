@@ -134,7 +134,7 @@ impl Solid {
                 continue;
             }
             let side = usize::from(d < 0.0);
-            let to_face = |face: usize| ((if face % 2 == 0 { -1.0 } else { 1.0 }) - o) / d;
+            let to_face = |face: usize| (face_side(face) - o) / d;
             let (enter, leave) = (2 * axis + side, 2 * axis + 1 - side);
             if to_face(enter) > near.0 {
                 near = (to_face(enter), enter);
@@ -144,7 +144,7 @@ impl Solid {
             }
         }
         let leaving = on.is_some_and(|face| direction.dot(face_normal(face)) >= 0.0);
-        if !(near.0 <= far.0) || leaving {
+        if near.0 > far.0 || leaving {
             return None;
         }
         let (t, face) = if near.0 > 0.0 && on.is_none() { near } else { far };
@@ -256,10 +256,15 @@ impl Solid {
     }
 }
 
+/// Coordinate of a face of [-1, 1]^3 along its axis.
+fn face_side(face: usize) -> f64 {
+    if face.is_multiple_of(2) { -1.0 } else { 1.0 }
+}
+
 /// Outward normal of a face of [-1, 1]^3.
 fn face_normal(face: usize) -> DVec3 {
     let mut normal = DVec3::ZERO;
-    normal[face / 2] = if face % 2 == 0 { -1.0 } else { 1.0 };
+    normal[face / 2] = face_side(face);
     normal
 }
 
