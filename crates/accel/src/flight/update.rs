@@ -242,7 +242,7 @@ pub(crate) fn update_group<S: Simd>(
     let mut new_direction = Vector::choose(interface, scattered, direction);
 
     // 4. The chord that begins inside.
-    let mut chord = zero - two * radius * new_direction.dot(normal);
+    let chord = zero - two * radius * new_direction.dot(normal);
     let mut far_normal = surface.plus(new_direction, chord).minus(center).unit();
     let mut new_position = Vector::choose(inside, center.plus(far_normal, radius), surface);
     let mut ice_length =
@@ -261,11 +261,11 @@ pub(crate) fn update_group<S: Simd>(
             out.select(cos_outside - eta * cos_inside, zero - two * new_direction.dot(far_normal));
         let turned = new_direction.scaled(out.select(eta, one)).plus(far_normal, weight).unit();
         new_direction = Vector::choose(waiting, turned, new_direction);
-        chord = zero - two * radius * new_direction.dot(far_normal);
-        let next = new_position.plus(new_direction, chord).minus(center).unit();
+        let inner_chord = zero - two * radius * new_direction.dot(far_normal);
+        let next = new_position.plus(new_direction, inner_chord).minus(center).unit();
         new_position = Vector::choose(back, center.plus(next, radius), new_position);
         far_normal = Vector::choose(back, next, far_normal);
-        ice_length = ice_length + back.select(chord, zero);
+        ice_length = ice_length + back.select(inner_chord, zero);
         waiting = back;
     }
     let chord_open = inside & !lone;

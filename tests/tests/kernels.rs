@@ -1,0 +1,268 @@
+//! The fast kernels against the oracle, on the same random numbers.
+//!
+//! A path's rounding errors grow by a factor at every grain, so whole long paths cannot agree; those
+//! that end after a few interfaces must, in every number, and all paths must agree in the mean.
+
+use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain, TriangleMesh};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::{DAffine3, DVec3, Ray, frame};
+use snowgrain_render::World;
+use snowgrain_render::transport::{self, NewPath, PathResult, PathSource};
+use snowgrain_tests::{Oracle, OracleShape, OracleSurface, PathEnd, Search, packs};
+use std::sync::Arc;
+
+const ETA: f64 = 1.31;
+
+/// Rays from a sphere around the scene, aimed at points inside a smaller one.
+fn ray(key: PathKey, center: DVec3, outer: f64, inner: f64) -> Ray {
+    let uniform_ball = |[u, v, w]: [f32; 3]| {
+        let side = frame::cosine_hemisphere(
+            if w < 0.5 { DVec3::Y } else { -DVec3::Y },
+            [f64::from(u), f64::from(v)],
+        );
+        side
+    };
+    let origin = center + uniform_ball(numbers(key, 0)) * outer;
+    let target = center + uniform_ball(numbers(key, 1)) * inner;
+    Ray::new(origin, (target - origin).normalize())
+}
+
+struct Recorder {
+    center: DVec3,
+    outer: f64,
+    inner: f64,
+    next: u64,
+    end: u64,
+    results: Vec<Option<PathResult>>,
+}
+
+impl PathSource for Recorder {
+    type Tag = u64;
+
+    fn next_path(&mut self) -> Option<NewPath<u64>> {
+        if self.next == self.end {
+            return None;
+        }
+        let tag = self.next;
+        self.next += 1;
+        let key = PathKey::new(9, tag, 0);
+        Some(NewPath { tag, ray: ray(key, self.center, self.outer, self.inner), key, event: 2 })
+    }
+
+    fn finish(&mut self, tag: u64, result: &PathResult) {
+        self.results[tag as usize] = Some(*result);
+    }
+}
+
+struct Case {
+    grains: Vec<QuantisedGrain>,
+    quantisation: Quantisation,
+    objects: Vec<(SurfaceShape, OracleShape, [f32; 3])>,
+    center: DVec3,
+    outer: f64,
+    inner: f64,
+}
+
+impl Case {
+    fn new(grains: &[Grain], largest: f64, center: DVec3, outer: f64, inner: f64) -> Self {
+        let quantisation = Quantisation::for_grains(DVec3::ZERO, largest);
+        let grains =
+            grains.iter().map(|g| quantisation.round(g.center, g.radius).unwrap()).collect();
+        Self { grains, quantisation, objects: Vec::new(), center, outer, inner }
+    }
+
+    fn world(&self) -> World {
+        let shapes: Vec<_> =
+            self.objects.iter().map(|(s, _, _)| (s.clone(), DAffine3::IDENTITY)).collect();
+        let surfaces = Surfaces::new(&shapes);
+        let grid = GrainGrid::build(self.quantisation, &self.grains, &surfaces).unwrap();
+        World { grid, surfaces, albedos: self.objects.iter().map(|o| o.2).collect(), eta: ETA }
+    }
+
+    fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {
+        let mut recorder = Recorder {
+            center: self.center,
+            outer: self.outer,
+            inner: self.inner,
+            next: 0,
+            end: paths,
+            results: vec![None; paths as usize],
+        };
+        transport::trace(&self.world(), level, &mut recorder);
+        recorder.results.into_iter().map(Option::unwrap).collect()
+    }
+
+    /// Compares every short path number by number and all in the mean.
+    fn agrees_with_oracle(&self, paths: u64) {
+        let grains: Vec<Grain> = self.grains.iter().map(|&g| self.quantisation.grain(g)).collect();
+        let surfaces: Vec<_> = self
+            .objects
+            .iter()
+            .map(|(_, shape, albedo)| OracleSurface {
+                shape: shape.clone(),
+                albedo: DVec3::from_array(albedo.map(f64::from)),
+            })
+            .collect();
+        let oracle = Oracle::new(&grains, &surfaces, ETA, Search::Cells);
+        let unit = self.quantisation.largest_radius();
+        let (mut short, mut wrong) = (0u32, 0u32);
+        let mut sums = [[0.0f64; 5]; 2];
+        let mut squares = 0.0;
+        let mut trapped = 0;
+        for (tag, fast) in self.trace(SimdLevel::detect(), paths).iter().enumerate() {
+            let key = PathKey::new(9, tag as u64, 0);
+            let start = ray(key, self.center, self.outer, self.inner);
+            let exact = oracle.trace(start.origin, start.direction, key, 2);
+            let (fast_direction, fast_light) = match fast.end {
+                transport::PathEnd::Escaped(ray) => (Some(ray.direction), fast.throughput),
+                transport::PathEnd::Absorbed => (None, [0.0; 3]),
+                transport::PathEnd::Trapped => {
+                    trapped += 1;
+                    (None, [0.0; 3])
+                }
+            };
+            let exact_direction = exact.escaped_direction();
+            assert!(exact.end != PathEnd::Trapped);
+            let up = |d: Option<DVec3>, light: f64| {
+                if d.is_some_and(|d| d.y > 0.0) { light } else { 0.0 }
+            };
+            let row =
+                |sums: &mut [f64; 5], light: f64, direction, ice: f64, events: u32, visits: u32| {
+                    sums[0] += up(direction, light);
+                    sums[1] += ice / unit;
+                    sums[2] += f64::from(events);
+                    sums[3] += f64::from(visits);
+                    sums[4] += 1.0;
+                };
+            row(
+                &mut sums[0],
+                f64::from(fast_light[0]),
+                fast_direction,
+                fast.ice_length,
+                fast.interface_events,
+                fast.grain_visits,
+            );
+            let exact_light = if exact_direction.is_some() { exact.throughput.x } else { 0.0 };
+            row(
+                &mut sums[1],
+                exact_light,
+                exact_direction,
+                exact.ice_length,
+                exact.interface_events,
+                exact.grain_visits,
+            );
+            let difference =
+                up(fast_direction, f64::from(fast_light[0])) - up(exact_direction, exact_light);
+            squares += difference * difference;
+            if exact.interface_events + exact.diffuse_bounces > 5 {
+                continue;
+            }
+            short += 1;
+            let same = fast.interface_events == exact.interface_events
+                && fast.grain_visits == exact.grain_visits
+                && fast.surface_bounces == exact.diffuse_bounces
+                && (fast.ice_length - exact.ice_length).abs() < 2e-2 * unit
+                && match (fast_direction, exact_direction) {
+                    (Some(a), Some(b)) => (a - b).length() < 2e-2,
+                    (a, b) => a.is_none() == b.is_none(),
+                };
+            if !same && wrong < 6 {
+                println!(
+                    "{tag} {fast:?}\n   {exact:?}\n {:#?}",
+                    oracle.trace_events(start.origin, start.direction, key, 2).1
+                );
+            }
+            wrong += u32::from(!same);
+        }
+        let n = paths as f64;
+        assert!(short > 1000, "{short} short paths");
+        // A decision can fall between the two roundings of a reflectance: once in 10^6 events.
+        assert!(wrong <= 2, "{wrong} of {short} short paths differ");
+        // The paired difference of the light has this standard error; 4 sigma: 6e-5 a case.
+        let sigma = (squares / n).sqrt() / n.sqrt();
+        let bias = (sums[0][0] - sums[1][0]).abs() / n;
+        assert!(bias < 0.0005 + 4.0 * sigma, "light differs by {bias}, sigma {sigma}");
+        for quantity in 1..4 {
+            let ratio = sums[0][quantity] / sums[1][quantity];
+            assert!((ratio - 1.0).abs() < 0.02, "quantity {quantity}: ratio {ratio}");
+        }
+        assert_eq!(trapped, 0);
+    }
+}
+
+fn cube_mesh(center: DVec3, half: f64) -> TriangleMesh {
+    let positions = (0..8)
+        .map(|i| {
+            center
+                + half
+                    * DVec3::new(
+                        if i & 1 == 0 { -1.0 } else { 1.0 },
+                        if i & 2 == 0 { -1.0 } else { 1.0 },
+                        if i & 4 == 0 { -1.0 } else { 1.0 },
+                    )
+        })
+        .collect();
+    let triangles = vec![
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+        [1, 7, 5],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 5, 7],
+        [4, 7, 6],
+    ];
+    TriangleMesh::new(positions, triangles).unwrap()
+}
+
+#[test]
+fn separate_grains_agree_with_the_oracle() {
+    let grains = packs::simple_cubic([8, 8, 8], 0.5);
+    Case::new(&grains, 0.5, DVec3::splat(4.0), 12.0, 4.0).agrees_with_oracle(20_000);
+}
+
+#[test]
+fn overlapping_grains_of_many_sizes_agree_with_the_oracle() {
+    let grains = packs::strewn(400, DVec3::splat(6.0), [0.1, 0.9], 3);
+    Case::new(&grains, 0.9, DVec3::splat(3.0), 10.0, 3.0).agrees_with_oracle(20_000);
+}
+
+#[test]
+fn grains_that_meet_a_mesh_and_a_plane_agree_with_the_oracle() {
+    let grains = packs::strewn(300, DVec3::splat(6.0), [0.3, 0.6], 5);
+    let mut case = Case::new(&grains, 0.6, DVec3::splat(3.0), 10.0, 3.0);
+    let mesh = cube_mesh(DVec3::new(3.0, 2.5, 3.2), 1.2);
+    let triangles = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
+    case.objects.push((
+        SurfaceShape::Mesh(Arc::new(mesh)),
+        OracleShape::Triangles(triangles),
+        [0.9, 0.2, 0.1],
+    ));
+    case.objects.push((
+        SurfaceShape::Plane,
+        OracleShape::Plane { point: DVec3::ZERO, normal: DVec3::Y },
+        [0.7, 0.7, 0.3],
+    ));
+    case.agrees_with_oracle(20_000);
+}
+
+#[test]
+fn every_simd_level_gives_the_same_bits() {
+    let grains = packs::strewn(300, DVec3::splat(6.0), [0.2, 0.6], 5);
+    let mut case = Case::new(&grains, 0.6, DVec3::splat(3.0), 10.0, 3.0);
+    let mesh = cube_mesh(DVec3::splat(3.0), 1.2);
+    case.objects.push((
+        SurfaceShape::Mesh(Arc::new(mesh)),
+        OracleShape::Triangles(Vec::new()),
+        [0.9, 0.2, 0.1],
+    ));
+    let reference = format!("{:?}", case.trace(SimdLevel::detect(), 3000));
+    for level in SimdLevel::available() {
+        assert!(reference == format!("{:?}", case.trace(level, 3000)), "{level} differs");
+    }
+}
