@@ -54,6 +54,7 @@ impl LatticeCell {
         // A spacing of two radii means touching, whatever the two were rounded to.
         let touches = (spacing - 2.0 * radius).abs() <= 1.0;
         let spacing = if touches { 2.0 * radius } else { spacing };
+        check_reach(settings.counts, 2.0 * spacing, quantum)?;
         let (side_quanta, basis) = cell(settings.kind, spacing);
         let mut cell = Self {
             side_quanta,
@@ -62,7 +63,6 @@ impl LatticeCell {
             counts: settings.counts,
             kept: settings.full_count(),
         };
-        cell.check_reach(quantum)?;
         if let (Some(density), Some(given)) = (settings.density, settings.spacing) {
             if given < 2.0 * settings.radius * (1.0 - 1e-6) {
                 let reason = "cannot be asked of grains that overlap; raise `spacing` to 2 radii";
@@ -102,16 +102,17 @@ impl LatticeCell {
             })
         })
     }
+}
 
-    fn check_reach(&self, quantum: f64) -> Result<(), GrainsError> {
-        let reach = f64::from(Quantisation::MAX_COORDINATE);
-        let far = [0, 1, 2].map(|a| f64::from(self.counts[a]) * f64::from(self.side_quanta[a]));
-        if far.iter().any(|&edge| edge > reach) {
-            let [x, y, z] = far.map(|edge| edge * quantum);
-            return Err(GeometryError::OutOfLattice { x, y, z, reach: reach * quantum }.into());
-        }
-        Ok(())
+/// Refuses lattices whose cells, of at most `side` quanta, would leave the quantisation.
+fn check_reach(counts: [u32; 3], side: f64, quantum: f64) -> Result<(), GrainsError> {
+    let reach = f64::from(Quantisation::MAX_COORDINATE);
+    let far = counts.map(|count| f64::from(count) * side);
+    if far.iter().any(|&edge| edge > reach) {
+        let [x, y, z] = far.map(|edge| edge * quantum);
+        return Err(GeometryError::OutOfLattice { x, y, z, reach: reach * quantum }.into());
     }
+    Ok(())
 }
 
 /// The grains of a lattice, cell by cell (x fastest, then y, then z). The lattice starts at the
@@ -221,4 +222,110 @@ fn cell(kind: LatticeKind, spacing: f64) -> ([i32; 3], Vec<[i32; 3]>) {
     };
     let basis = relative.into_iter().map(|b: [i32; 3]| b.map(|v| v + low)).collect();
     (side, basis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PackReport;
+    use snowgrain_math::DVec3;
+
+    const KINDS: [LatticeKind; 4] =
+        [LatticeKind::Sc, LatticeKind::Bcc, LatticeKind::Fcc, LatticeKind::Hcp];
+
+    fn settings(kind: LatticeKind, counts: [u32; 3]) -> LatticeSettings {
+        LatticeSettings { kind, counts, radius: 0.5, spacing: None, density: None }
+    }
+
+    fn quantisation() -> Quantisation {
+        Quantisation::for_grains(DVec3::ZERO, 0.5)
+    }
+
+    #[test]
+    fn simple_cubic_grains_sit_at_the_middles_of_their_cells() {
+        let field = lattice_grains(&settings(LatticeKind::Sc, [3, 4, 5]), &quantisation()).unwrap();
+        let mut expected = Vec::new();
+        for k in 0..5 {
+            for j in 0..4 {
+                for i in 0..3 {
+                    expected.push(DVec3::new(f64::from(i), f64::from(j), f64::from(k)) + 0.5);
+                }
+            }
+        }
+        for (grain, expected) in field.iter().zip(&expected) {
+            assert!((grain.center - *expected).length() < 5.0 * field.quantisation.quantum());
+        }
+        assert_eq!(field.len(), 60);
+    }
+
+    #[test]
+    fn neighbours_and_solid_fractions_are_those_of_the_crystals() {
+        let expected = [(6.0, 0.5236), (8.0, 0.6802), (12.0, 0.7405), (12.0, 0.7405)];
+        for (kind, (neighbours, fraction)) in KINDS.into_iter().zip(expected) {
+            let settings = settings(kind, [6, 5, 7]);
+            let cell = LatticeCell::new(&settings, &quantisation()).unwrap();
+            let field = lattice_grains(&settings, &quantisation()).unwrap();
+            assert!((cell.solid_fraction() - fraction).abs() < 4e-4, "{kind:?}");
+            assert_eq!(field.len() as u64, settings.full_count());
+            assert_eq!(inner_neighbours(&field, &cell), neighbours, "{kind:?}");
+            let report = PackReport::of(&field, None, &|_| false);
+            assert_eq!(report.overlaps_per_grain, 0.0, "{kind:?}");
+            assert_eq!(report.connected_fraction, 1.0);
+            let bounds = field.bounds();
+            assert!(bounds.min.abs().max_element() <= 1.01 * field.quantisation.quantum());
+        }
+    }
+
+    /// Mean number of grains nearer than 1.0003 spacings to the grains of an inner cell; none may
+    /// overlap.
+    fn inner_neighbours(field: &GrainField, cell: &LatticeCell) -> f64 {
+        let touching = 2.0 * f64::from(cell.radius);
+        let (mut near, mut cells) = (0u32, 0u32);
+        for basis in &cell.basis {
+            let inner = [0, 1, 2].map(|a| 2 * cell.side_quanta[a] + basis[a]);
+            assert!(field.grains.iter().any(|g| g.center == inner));
+            cells += 1;
+            for grain in &field.grains {
+                let square: f64 = (0..3)
+                    .map(|a| f64::from(grain.center[a]) - f64::from(inner[a]))
+                    .map(|d| d * d)
+                    .sum();
+                assert!(square == 0.0 || square.sqrt() >= touching - 0.01, "{}", square.sqrt());
+                near += u32::from(square > 0.0 && square.sqrt() < touching * 1.0003);
+            }
+        }
+        f64::from(near) / f64::from(cells)
+    }
+
+    #[test]
+    fn a_density_sets_the_spacing_or_thins_a_lattice_whose_spacing_is_given() {
+        for kind in KINDS {
+            let wide = LatticeSettings { density: Some(200.0), ..settings(kind, [8, 8, 8]) };
+            let cell = LatticeCell::new(&wide, &quantisation()).unwrap();
+            assert!((cell.solid_fraction() * ICE_DENSITY / 200.0 - 1.0).abs() < 1e-3);
+            let thin = LatticeSettings { spacing: Some(1.0), ..wide.clone() };
+            let cell = LatticeCell::new(&thin, &quantisation()).unwrap();
+            let field = lattice_grains(&thin, &quantisation()).unwrap();
+            assert_eq!(field.len() as u64, cell.kept);
+            let part = field.len() as f64 / thin.full_count() as f64;
+            let density = part * cell.solid_fraction() * ICE_DENSITY;
+            assert!((density / 200.0 - 1.0).abs() < 2e-3, "{density}");
+            let dense = LatticeSettings { density: Some(700.0), ..settings(kind, [1, 1, 1]) };
+            let message = LatticeCell::new(&dense, &quantisation()).unwrap_err().to_string();
+            assert!(message.starts_with("density: 700 kg/m3 is out of reach"), "{message}");
+        }
+    }
+
+    #[test]
+    fn lattices_out_of_range_are_refused() {
+        let refused = |settings: LatticeSettings| LatticeCell::new(&settings, &quantisation());
+        let good = settings(LatticeKind::Fcc, [1, 1, 1]);
+        assert!(refused(LatticeSettings { counts: [0, 1, 1], ..good.clone() }).is_err());
+        assert!(refused(LatticeSettings { counts: [u32::MAX; 3], ..good.clone() }).is_err());
+        assert!(refused(LatticeSettings { radius: f64::NAN, ..good.clone() }).is_err());
+        assert!(refused(LatticeSettings { radius: 0.6, ..good.clone() }).is_err());
+        assert!(refused(LatticeSettings { spacing: Some(0.0), ..good.clone() }).is_err());
+        let far = LatticeSettings { spacing: Some(1e300), ..good.clone() };
+        assert!(refused(far).is_err());
+    }
 }

@@ -131,6 +131,7 @@ pub(super) struct Roller<'a> {
     least_cosine: f64,
     contacts: Vec<Contact>,
     neighbours: Vec<(GrainSlot, QuantisedGrain)>,
+    /// Grains just rolled off, which a fall that follows at once leaves behind.
     ignored: Vec<GrainSlot>,
     surfaces: Vec<SphereContact>,
 }
@@ -162,6 +163,7 @@ impl<'a> Roller<'a> {
                 Motion::Rolls { over, arc } => {
                     let (angle, end) = self.end_of(&arc, over, stacks, radius);
                     at = arc.at(angle);
+                    self.ignored.clear();
                     match end {
                         End::Ground => return Rest::Stable(at),
                         End::Touches(contact) => {
@@ -170,7 +172,6 @@ impl<'a> Roller<'a> {
                         }
                         End::Releases(index) => {
                             let kept = if over[0] == index { over[1] } else { over[0] };
-                            self.ignored.clear();
                             self.ignored.extend(over.map(|i| self.contacts[i].slot));
                             self.keep([kept; 2]);
                             if kept == index {

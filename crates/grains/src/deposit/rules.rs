@@ -61,14 +61,19 @@ impl<'a> Drop<'a> {
         }
     }
 
-    /// Lets drop number `index` fall on what lies.
-    pub(super) fn fall(&mut self, stacks: &GrainStacks, index: u64) -> Result<Fate, GrainsError> {
+    /// Where drop number `index` falls, and its radius; quanta.
+    fn start(&self, index: u64) -> ([f64; 2], u16) {
         let key = PathKey::new(self.seed, index, self.snowfall);
         let [a, b, c] = pcg3d(key.lo, key.hi, 0);
         let PlanRectangle { min, max } = self.area;
         let x = f64::from(uniform_below(a, min[0], max[0]));
         let z = f64::from(uniform_below(b, min[1], max[1]));
-        let radius = self.radius(c);
+        ([x, z], self.radius(c))
+    }
+
+    /// Lets drop number `index` fall on what lies.
+    pub(super) fn fall(&mut self, stacks: &GrainStacks, index: u64) -> Result<Fate, GrainsError> {
+        let ([x, z], radius) = self.start(index);
         match self.rule {
             DepositRule::Ray => self.ray(stacks, [x, z], radius),
             DepositRule::Stick => self.stick(stacks, [x, z], radius),
