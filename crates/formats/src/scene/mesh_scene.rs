@@ -1,8 +1,9 @@
 //! A scene for a mesh that comes alone: the first picture of somebody's model in the snow.
 //!
 //! The object stands on a dark slab that fills the foreground, under an overcast sky and before a
-//! dark slate backdrop, so that snow stands out. The slab and the camera follow from the object's
-//! bounding box; the snow is always a million grains.
+//! dark slate backdrop, so that snow stands out. It is turned by three quarters and the camera looks
+//! along -z, so that the slab's far edge is level and its other edges lie outside the picture. Slab
+//! and camera follow from the object's bounding box; the snow is always a million grains.
 
 use super::SceneError;
 use snowgrain_math::{Aabb, DVec3, trig};
@@ -64,11 +65,11 @@ impl UpAxis {
         })
     }
 
-    /// The value of `rotate` that turns this axis up.
-    fn rotation_degrees(self) -> [f64; 3] {
+    /// Degrees about x that turn this axis up.
+    fn rotation_about_x(self) -> f64 {
         match self {
-            Self::Y => [0.0; 3],
-            Self::Z => [-90.0, 0.0, 0.0],
+            Self::Y => 0.0,
+            Self::Z => -90.0,
         }
     }
 
@@ -115,9 +116,12 @@ const GRAINS: f64 = 1e6;
 /// Solid fraction of the ray rule counted by grain volumes (overlaps twice), piles of 20-40 radii.
 const NOMINAL_SOLID_FRACTION: f64 = 0.5;
 
-/// Where the camera stands: degrees from +z towards +x, and above the horizon.
-const AZIMUTH_DEGREES: f64 = 35.0;
+/// How far the object is turned about y, which shows its front and its right side.
+const TURN_DEGREES: f64 = -35.0;
+
+/// How far the camera stands above the horizon.
 const ELEVATION_DEGREES: f64 = 25.0;
+
 const VERTICAL_FOV_DEGREES: f64 = 30.0;
 
 /// The scene for the mesh in `file` with these bounds, in the file's own units and axes.
@@ -142,11 +146,12 @@ pub fn scene_for_mesh(
     }
     let up = options.up.unwrap_or_default();
     let (scale, size_assumption) = choose_scale(bounds.size().max_element(), options);
-    let turned = up.turned(bounds);
-    let box_size = turned.size() * scale;
-    let translate = -DVec3::new(turned.center().x, turned.min.y, turned.center().z) * scale;
-    let view = View::around(box_size);
-    let snow = Snow::over(view.slab_half * 2.0, box_size.max_element());
+    let upright = up.turned(bounds);
+    let placed = Placed::new(&upright, scale);
+    let depth = SNOW_DEPTH_TO_SIZE * upright.size().max_element() * scale;
+    let view = View::of(&placed, depth);
+    let [width, length] = view.slab.size();
+    let radius = grain_radius(width * length * depth);
 
     let up_name = if up == UpAxis::Y { "y" } else { "z" };
     let assumptions = vec![
@@ -156,13 +161,13 @@ pub fn scene_for_mesh(
             None => format!("{up_name} is up (--up says otherwise)"),
         },
         format!(
-            "snow: 1 000 000 grains of {:.2} mm radius, about {:.1} mm deep, on a slab {:.2} m wide",
-            snow.radius * 1e3,
-            snow.depth * 1e3,
-            view.slab_half * 2.0
+            "snow: 1 000 000 grains of {:.2} mm radius, about {:.1} mm deep, on a slab of {width:.2} x \
+             {length:.2} m",
+            radius * 1e3,
+            depth * 1e3,
         ),
     ];
-    let toml = write_toml(file, up, scale, translate, &view, &snow);
+    let toml = write_toml(file, up, scale, &placed, &view, radius);
     Ok(MeshScene { toml, assumptions })
 }
 
@@ -184,54 +189,93 @@ fn choose_scale(longest: f64, options: &MeshSceneOptions) -> (f64, String) {
     }
 }
 
-/// Camera and ground, metres; the object stands at the origin.
+/// The object in the world, metres: turned by [`TURN_DEGREES`], its middle over the origin, standing
+/// on y = 0.
+struct Placed {
+    translate: DVec3,
+    /// Height, and half the extent along x and z once turned.
+    height: f64,
+    half_width: f64,
+    half_length: f64,
+    /// Diameter of the ball around it.
+    diameter: f64,
+}
+
+impl Placed {
+    fn new(upright: &Aabb, scale: f64) -> Self {
+        let (sin, cos) = trig::sin_cos(TURN_DEGREES.to_radians());
+        let (center, size) = (upright.center() * scale, upright.size() * scale);
+        let turned_center = DVec3::new(
+            center.x * cos + center.z * sin,
+            upright.min.y * scale,
+            center.z * cos - center.x * sin,
+        );
+        Self {
+            translate: -turned_center,
+            height: size.y,
+            half_width: 0.5 * (size.x * cos + size.z * sin.abs()),
+            half_length: 0.5 * (size.x * sin.abs() + size.z * cos),
+            diameter: size.length(),
+        }
+    }
+}
+
+/// The rectangle of ground that carries snow, metres: x from `-half_width` to `half_width`, z from
+/// `far` (behind the object) to `near`.
+struct Slab {
+    half_width: f64,
+    far: f64,
+    near: f64,
+}
+
+impl Slab {
+    /// Extent along x and z.
+    fn size(&self) -> [f64; 2] {
+        [2.0 * self.half_width, self.near - self.far]
+    }
+}
+
+/// Camera and ground, metres.
 struct View {
     from: DVec3,
     at: DVec3,
-    /// Half the side of the square slab.
-    slab_half: f64,
+    slab: Slab,
 }
 
 impl View {
-    /// The view that holds the ball around a box of this size that stands on the ground, and a slab
-    /// that reaches beyond the lower corners of the picture.
-    fn around(size: DVec3) -> Self {
-        let (sin_azimuth, cos_azimuth) = trig::sin_cos(AZIMUTH_DEGREES.to_radians());
-        let (sin_elevation, cos_elevation) = trig::sin_cos(ELEVATION_DEGREES.to_radians());
+    /// The square view that just holds the ball around the object and its snow, and a slab whose
+    /// snow leaves the picture on the left, on the right and below.
+    fn of(object: &Placed, depth: f64) -> Self {
+        let (sin, cos) = trig::sin_cos(ELEVATION_DEGREES.to_radians());
         let half_fov = (VERTICAL_FOV_DEGREES * 0.5).to_radians();
         let (sin_half, tan_half) = (trig::sin_cos(half_fov).0, trig::tan(half_fov));
+        let back = DVec3::new(0.0, sin, cos);
+        let at = DVec3::new(0.0, 0.5 * (object.height + depth), 0.0);
+        let from = at + back * (0.5 * (object.diameter + depth) / sin_half);
 
-        let at = DVec3::new(0.0, size.y * 0.5, 0.0);
-        let back =
-            DVec3::new(sin_azimuth * cos_elevation, sin_elevation, cos_azimuth * cos_elevation);
-        let from = at + back * (0.5 * size.length() / sin_half);
-        let right = DVec3::new(cos_azimuth, 0.0, -sin_azimuth);
-        let down = right.cross(back);
-        let corner = |side: f64| {
-            let ray = -back + (down + right * side) * tan_half;
-            let hit = from + ray * (from.y / -ray.y);
-            hit.x.abs().max(hit.z.abs())
-        };
-        let foreground = corner(-1.0).max(corner(1.0));
-        let footprint = 0.5 * size.x.max(size.z);
-        let slab_half = (1.03 * foreground).max(1.3 * footprint);
-        Self { from, at, slab_half }
+        // The lower edge of the picture meets the top of the snow on one line of constant z.
+        let lowest = -back - DVec3::new(0.0, cos, -sin) * tan_half;
+        let foreground = from.z + lowest.z * ((from.y - depth) / -lowest.y);
+        let near = foreground.max(1.2 * object.half_length) + depth;
+        let far = -(object.half_length + 0.4 * object.diameter);
+        let distance = back.dot(from - DVec3::new(0.0, 0.0, far));
+        let half_width = (distance * tan_half).max(1.2 * object.half_width) + depth;
+        Self { from, at, slab: Slab { half_width, far, near } }
     }
 }
 
-/// Snow of [`GRAINS`] grains, metres.
-struct Snow {
-    depth: f64,
-    radius: f64,
-}
+/// Variation of the grains' radii, in radii.
+const VARIATION_TO_RADIUS: f64 = 0.4;
 
-impl Snow {
-    /// Snow a twentieth of the object deep on a square of this side.
-    fn over(side: f64, object_size: f64) -> Self {
-        let depth = 0.05 * object_size;
-        let volume = side * side * depth * NOMINAL_SOLID_FRACTION / GRAINS;
-        Self { depth, radius: cube_root(volume * 3.0 / (4.0 * std::f64::consts::PI)) }
-    }
+/// Depth of the snow, in longest sides of the object.
+const SNOW_DEPTH_TO_SIZE: f64 = 0.05;
+
+/// Radius, metres, of the grains of which [`GRAINS`] fill this volume of snow, cubic metres.
+fn grain_radius(volume: f64) -> f64 {
+    let grain = volume * NOMINAL_SOLID_FRACTION / GRAINS;
+    // Radii uniform in r (1 -+ v) have the mean cube r^3 (1 + v^2).
+    let mean_cube = grain * 3.0 / (4.0 * std::f64::consts::PI);
+    cube_root(mean_cube / (1.0 + VARIATION_TO_RADIUS * VARIATION_TO_RADIUS))
 }
 
 /// Cube root of a positive number.
@@ -243,19 +287,20 @@ fn write_toml(
     file: &str,
     up: UpAxis,
     scale: f64,
-    translate: DVec3,
+    placed: &Placed,
     view: &View,
-    snow: &Snow,
+    radius: f64,
 ) -> String {
     let file = toml::Value::from(file).to_string();
-    let rotate = up.rotation_degrees();
-    let translate = translate.to_array();
+    let rotate_x = up.rotation_about_x();
+    // Adding zero turns -0.0 into 0.0.
+    let translate = placed.translate.to_array().map(|t| t + 0.0);
     let from = view.from.to_array().map(rounded);
     let at = view.at.to_array().map(rounded);
-    let slab = rounded(view.slab_half);
-    let thickness = rounded(view.slab_half * 0.1);
-    let radius = rounded(snow.radius);
-    let variation = rounded(snow.radius * 0.4);
+    let [east, south, north] = [view.slab.half_width, view.slab.near, view.slab.far].map(rounded);
+    let thickness = rounded(east * 0.1);
+    let (half_length, middle) = (rounded((south - north) * 0.5), rounded((south + north) * 0.5));
+    let (radius, variation) = (rounded(radius * 1e3), rounded(radius * 1e3 * VARIATION_TO_RADIUS));
     format!(
         r#"# Made for a mesh that came alone; change what you like. Lengths in metres or like "5 mm"; y is up.
 version = 1
@@ -266,7 +311,7 @@ height = 512
 samples_per_pixel = 64
 seed = 0
 
-[camera]                         # three quarters from the front, from above
+[camera]                         # from above, along -z
 from = {from:?}
 at = {at:?}
 up = [0, 1, 0]
@@ -282,35 +327,35 @@ kind = "sky"
 radiance = 1.0
 visible_to_camera = false
 
-[[object]]
+[[object]]                       # turned by three quarters, standing on y = 0
 shape = "mesh"
 file = {file}
 albedo = [0.55, 0.06, 0.05]
 scale = {scale:?}
-rotate = {rotate:?}
+rotate = [{rotate_x:?}, {TURN_DEGREES:?}, 0]
 translate = {translate:?}
 
-[[object]]                       # the ground: a slab whose top is y = 0
+[[object]]                       # the ground: a slab whose top is y = 0; only its far edge is seen
 name = "ground"
 shape = "box"
 albedo = 0.18
-scale = [{slab:?}, {thickness:?}, {slab:?}]
-translate = [0, {down:?}, 0]
+scale = [{east:?}, {thickness:?}, {half_length:?}]
+translate = [0, {down:?}, {middle:?}]
 
 [[snow]]
 source = "deposit"
 rule = "ray"
 grains = 1_000_000
-radius = {radius:?}
-variation = {variation:?}
+radius = "{radius:?} mm"
+variation = "{variation:?} mm"
 max_slope = 80.0
-area = [{west:?}, {west:?}, {slab:?}, {slab:?}]
+area = [{west:?}, {north:?}, {east:?}, {south:?}]
 
 [integrator]
 kind = "grains"
 "#,
         down = -thickness,
-        west = -slab,
+        west = -east,
     )
 }
 

@@ -7,9 +7,7 @@ use crate::scene::{
 };
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
 use snowgrain_math::{Aabb, DVec3};
-use snowgrain_render::description::{
-    LightDescription, ObjectShape, SceneDescription, SnowDescription,
-};
+use snowgrain_render::description::{LightDescription, SceneDescription, SnowDescription};
 use std::path::Path;
 
 fn builtin(name: &str) -> SceneDescription {
@@ -198,12 +196,24 @@ fn look(bounds: Aabb, options: &MeshSceneOptions) -> (SceneDescription, Vec<Stri
     (meaning_of(&file).unwrap(), made.assumptions)
 }
 
-/// Where the object of a quick look stands.
-fn placed(scene: &SceneDescription, bounds: &Aabb) -> Aabb {
-    let transform = scene.objects[0].transform;
-    [bounds.min, bounds.max]
-        .iter()
-        .fold(Aabb::EMPTY, |b, &corner| b.including(transform.transform_point3(corner)))
+/// The corners of the mesh's box, where a quick look puts them.
+fn placed_corners(scene: &SceneDescription, bounds: &Aabb) -> Vec<DVec3> {
+    let pick = |bit: bool, axis: usize| if bit { bounds.max[axis] } else { bounds.min[axis] };
+    (0..8)
+        .map(|i| DVec3::new(pick(i & 1 > 0, 0), pick(i & 2 > 0, 1), pick(i & 4 > 0, 2)))
+        .map(|corner| scene.objects[0].transform.transform_point3(corner))
+        .collect()
+}
+
+/// Where a point falls in the square picture: within [-1, 1] in x and y.
+fn in_picture(scene: &SceneDescription, point: DVec3) -> [f64; 2] {
+    let camera = &scene.camera;
+    let gaze = (camera.at - camera.from).normalize();
+    let right = gaze.cross(camera.up).normalize();
+    let offset = point - camera.from;
+    let half = (camera.vertical_fov_degrees * 0.5).to_radians();
+    let reach = gaze.dot(offset) * snowgrain_math::trig::tan(half);
+    [right.dot(offset) / reach, right.cross(gaze).dot(offset) / reach]
 }
 
 #[test]
@@ -216,29 +226,47 @@ fn a_mesh_alone_stands_on_a_slab_in_real_size() {
         (MeshSceneOptions { up: Some(UpAxis::Z), ..Default::default() }, 0.2),
     ] {
         let (scene, assumptions) = look(bounds, &options);
-        let stands = placed(&scene, &bounds);
-        assert!((stands.size().max_element() / longest - 1.0).abs() < 1e-12);
+        let corners = placed_corners(&scene, &bounds);
+        let stands = corners.iter().fold(Aabb::EMPTY, |b, &corner| b.including(corner));
+        let height = if options.up == Some(UpAxis::Z) { 0.25 } else { 1.0 };
+        assert!((stands.size().y / longest - height).abs() < 1e-12);
         assert!(stands.min.y.abs() < 1e-12);
         assert!((stands.min.x + stands.max.x).abs() < 1e-12);
         assert!((stands.min.z + stands.max.z).abs() < 1e-12);
-        assert!(matches!(scene.objects[0].shape, ObjectShape::Mesh(_)));
-        let ground = scene.objects[1].transform;
-        assert!(ground.transform_point3(DVec3::Y).y.abs() < 1e-12);
-        let side = ground.transform_point3(DVec3::X).x;
-        assert_eq!(deposit(&scene).area, Some([-side, -side, side, side]));
-        assert!(side > stands.max.x && side > stands.max.z);
+        for corner in corners {
+            let [x, y] = in_picture(&scene, corner);
+            assert!(x.abs() <= 1.0 && y.abs() <= 1.0, "({x}, {y})");
+        }
         assert_eq!(assumptions.len(), 3);
-        // The upper picture's up axis: the file's y or z extent becomes the height.
-        let height = if options.up == Some(UpAxis::Z) { 0.25 } else { 1.0 };
-        assert!((stands.size().y / longest - height).abs() < 1e-12);
+        check_ground(&scene, &stands);
     }
+}
+
+/// The snow's area is the top of the ground; object and foreground lie inside it, and only its far
+/// edge is in the picture.
+fn check_ground(scene: &SceneDescription, stands: &Aabb) {
+    let ground = scene.objects[1].transform;
+    let (low, high) =
+        (ground.transform_point3(DVec3::new(-1.0, 1.0, -1.0)), ground.transform_point3(DVec3::ONE));
+    assert_eq!((low.y, high.y), (0.0, 0.0));
+    let [x0, z0, x1, z1] = deposit(scene).area.unwrap();
+    let side = x1 - x0;
+    for (edge, corner) in [(x0, low.x), (z0, low.z), (x1, high.x), (z1, high.z)] {
+        assert!((edge - corner).abs() < 1e-4 * side, "{edge} {corner}");
+    }
+    assert!(stands.max.x < x1 && stands.max.z < z1 && stands.min.z > z0);
+    assert!(in_picture(scene, DVec3::new(x1, 0.0, z0))[0] > 1.0);
+    assert!(in_picture(scene, DVec3::new(0.0, 0.0, z1))[1] < -1.0);
+    let far_edge = in_picture(scene, DVec3::new(0.0, 0.0, z0))[1];
+    assert!((-0.2..0.9).contains(&far_edge), "{far_edge}");
 }
 
 #[test]
 fn a_mesh_in_plausible_metres_keeps_its_size() {
     let bounds = Aabb::new(DVec3::ZERO, DVec3::new(0.15, 0.15, 0.12));
     let (scene, assumptions) = look(bounds, &MeshSceneOptions::default());
-    assert!((placed(&scene, &bounds).size() - bounds.size()).length() < 1e-12);
+    let edge = scene.objects[0].transform.transform_vector3(DVec3::Z * 0.12);
+    assert!((edge.length() - 0.12).abs() < 1e-12);
     assert!(assumptions[0].starts_with("longest side 0.1500 m (the file taken as metres"));
     let radius = deposit(&scene).radii.mean;
     assert!((0.0003..0.0008).contains(&radius), "{radius}");
