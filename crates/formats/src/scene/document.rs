@@ -1,0 +1,317 @@
+//! The scene file as written: one struct a table, one field a key.
+//!
+//! The doc comments here are the manual of the format: the JSON Schema and the error messages quote
+//! them. [`super::resolve`] says what a document means.
+
+use super::quantity::{Length, Triple};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A Snowgrain scene, version 1. Lengths are numbers (metres) or strings with a unit ("0.5 mm");
+/// y is up; colours are linear RGB.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneDocument {
+    /// Version of the format: 1.
+    pub version: u32,
+    /// The picture.
+    #[serde(default)]
+    pub film: FilmTable,
+    /// The camera.
+    pub camera: CameraTable,
+    /// The ice that grains are made of.
+    #[serde(default)]
+    pub ice: IceTable,
+    /// The lights; their radiances add.
+    #[serde(default)]
+    pub light: Vec<LightTable>,
+    /// Solid diffuse objects.
+    #[serde(default)]
+    pub object: Vec<ObjectTable>,
+    /// Bodies of snow and snowfalls, in the order in which they come.
+    #[serde(default)]
+    pub snow: Vec<SnowTable>,
+    /// How light is traced.
+    #[serde(default)]
+    pub integrator: IntegratorTable,
+}
+
+/// Size and sampling of the picture.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FilmTable {
+    /// Pixels across: a whole number, 1 to 65536; default 512.
+    pub width: u32,
+    /// Pixels down: a whole number, 1 to 65536; default 512.
+    pub height: u32,
+    /// Samples per pixel: a whole number, at least 1; default 64.
+    pub samples_per_pixel: u32,
+    /// Seed of the random numbers of light: a whole number; default 0.
+    pub seed: u64,
+}
+
+impl Default for FilmTable {
+    fn default() -> Self {
+        Self { width: 512, height: 512, samples_per_pixel: 64, seed: 0 }
+    }
+}
+
+/// A pinhole camera.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraTable {
+    /// Where the camera is: [x, y, z], lengths.
+    pub from: [Length; 3],
+    /// The point in the middle of the picture: [x, y, z], lengths.
+    pub at: [Length; 3],
+    /// The direction that is up in the picture: [x, y, z]; default [0, 1, 0].
+    #[serde(default = "up")]
+    pub up: [f64; 3],
+    /// Vertical field of view in degrees, above 0 and below 180; default 40.
+    #[serde(default = "vertical_fov")]
+    pub vertical_fov: f64,
+    /// What the camera sees behind everything, where no visible light is: radiance, one number or
+    /// [r, g, b], at least 0; default 0. It lights nothing.
+    #[serde(default = "black")]
+    pub backdrop: Triple,
+}
+
+fn up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn vertical_fov() -> f64 {
+    40.0
+}
+
+fn black() -> Triple {
+    Triple([0.0; 3])
+}
+
+/// Optical constants of the ice.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct IceTable {
+    /// Index of refraction, 1 to 4; default 1.31 (the paper uses 1.32).
+    pub ior: f64,
+    /// Grey absorption coefficient in 1/m, at least 0; default 0.
+    pub absorption: f64,
+}
+
+impl Default for IceTable {
+    fn default() -> Self {
+        Self { ior: 1.31, absorption: 0.0 }
+    }
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LightTable {
+    /// "sky" (a diffuse hemisphere above, at infinity; black below) or "uniform" (the whole sphere).
+    pub kind: LightKind,
+    /// Radiance: one number or [r, g, b], at least 0; default 1.
+    #[serde(default = "one")]
+    pub radiance: Triple,
+    /// Whether the camera sees it behind everything (else it sees camera.backdrop): true or false;
+    /// default true.
+    #[serde(default = "yes")]
+    pub visible_to_camera: bool,
+}
+
+fn one() -> Triple {
+    Triple([1.0; 3])
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Kinds of light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum LightKind {
+    /// A diffuse hemisphere above y = 0 at infinity.
+    Sky,
+    /// The whole sphere at infinity.
+    Uniform,
+}
+
+/// A solid, diffuse object. It is scaled, then rotated, then translated.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectTable {
+    /// "sphere" (radius 1 at the origin), "box" ([-1,1]^3), "plane" (y = 0, infinite), "teapot"
+    /// (Newell's units: 6.43 long, standing on y = 0, spout along +x) or "mesh" (from `file`).
+    pub shape: ShapeKind,
+    /// Name used in messages: a string; default the file's name or `object.N`.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// Mesh file (.obj or .ply), relative to the scene file; only for shape = "mesh".
+    #[serde(default)]
+    pub file: Option<String>,
+    /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.
+    #[serde(default = "half")]
+    pub albedo: Triple,
+    /// Scale: one number or [x, y, z], none of them 0; default 1.
+    #[serde(default = "one")]
+    pub scale: Triple,
+    /// Rotation in degrees about x, then y, then z: [x, y, z]; default [0, 0, 0].
+    #[serde(default)]
+    pub rotate: [f64; 3],
+    /// Translation: [x, y, z], lengths; default [0, 0, 0].
+    #[serde(default = "nowhere")]
+    pub translate: [Length; 3],
+}
+
+fn half() -> Triple {
+    Triple([0.5; 3])
+}
+
+fn nowhere() -> [Length; 3] {
+    [Length { metres: 0.0 }; 3]
+}
+
+/// Shapes of objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ShapeKind {
+    /// Radius 1 at the origin.
+    Sphere,
+    /// The box [-1, 1]^3.
+    Box,
+    /// The infinite plane y = 0.
+    Plane,
+    /// Newell's teapot.
+    Teapot,
+    /// Triangles from a file.
+    Mesh,
+}
+
+/// A body of snow or a snowfall. Which keys may be used depends on `source`.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SnowTable {
+    /// "deposit" (grains fall on objects and earlier snow), "lattice" (a block of a crystal
+    /// lattice) or "file" (grains as they are, from `file`). "pack" is kept for a later version.
+    pub source: SnowSource,
+    /// Grain radius r: a length above 0, as "0.5 mm"; deposit, lattice.
+    #[serde(default)]
+    pub radius: Option<Length>,
+    /// Half-width of the uniform distribution of radii: a length, 0 to `radius`; default 0; deposit.
+    #[serde(default)]
+    pub variation: Option<Length>,
+    /// How many grains lie in the end: a whole number, at least 1, as 1_000_000; deposit (this or
+    /// `depth`).
+    #[serde(default)]
+    pub grains: Option<u64>,
+    /// How deep the snow lies on level ground: a length above 0, as "3 cm"; deposit (this or
+    /// `grains`).
+    #[serde(default)]
+    pub depth: Option<Length>,
+    /// Density of the snow in kg/m^3, above 0 and at most 917 (solid ice); default what the rule or
+    /// lattice gives; deposit, lattice.
+    #[serde(default)]
+    pub density: Option<f64>,
+    /// Where a falling grain stays: "ray" (the paper's; also "chrisman"), "stick" (at its first
+    /// contact) or "roll" (rolls to a stable rest); default "ray"; deposit.
+    #[serde(default)]
+    pub rule: Option<DepositRuleName>,
+    /// Grains that meet something steeper than this many degrees are discarded, 0 to 90; default 80
+    /// for rule = "ray", else 90 (none); deposit.
+    #[serde(default)]
+    pub max_slope: Option<f64>,
+    /// Rectangle that grains fall on: [x0, z0, x1, z1], lengths with x0 < x1 and z0 < z1; default
+    /// the box of the finite objects plus a margin; deposit.
+    #[serde(default)]
+    pub area: Option<[Length; 4]>,
+    /// Seed of the snowfall: a whole number; default the position in the list of snow; deposit.
+    #[serde(default)]
+    pub seed: Option<u64>,
+    /// "sc" (simple cubic), "bcc" (body-centred), "fcc" (face-centred, tightest) or "hcp"
+    /// (hexagonal, tightest); lattice.
+    #[serde(default)]
+    pub lattice: Option<LatticeName>,
+    /// Conventional cells along x, y, z (1, 2, 4, 4 grains each for sc, bcc, fcc, hcp): three whole
+    /// numbers, at least 1; lattice.
+    #[serde(default)]
+    pub counts: Option<[u32; 3]>,
+    /// Distance between nearest neighbours: a length above 0; default 2 radius (touching); lattice
+    /// (this or `density`).
+    #[serde(default)]
+    pub spacing: Option<Length>,
+    /// Grain file (.ply with x, y, z, radius), relative to the scene file; file.
+    #[serde(default)]
+    pub file: Option<String>,
+}
+
+/// Where snow comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SnowSource {
+    /// Grains fall.
+    Deposit,
+    /// A block of a crystal lattice.
+    Lattice,
+    /// Kept for a later version.
+    Pack,
+    /// Grains from a file.
+    File,
+}
+
+impl SnowSource {
+    /// The name as written.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Deposit => "deposit",
+            Self::Lattice => "lattice",
+            Self::Pack => "pack",
+            Self::File => "file",
+        }
+    }
+}
+
+/// Where a falling grain stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum DepositRuleName {
+    /// The paper's rule.
+    #[serde(alias = "chrisman")]
+    Ray,
+    /// At its first contact.
+    Stick,
+    /// Rolls to a stable rest.
+    Roll,
+}
+
+/// Crystal lattices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum LatticeName {
+    /// Simple cubic.
+    Sc,
+    /// Body-centred cubic.
+    Bcc,
+    /// Face-centred cubic.
+    Fcc,
+    /// Hexagonal close packed.
+    Hcp,
+}
+
+/// How light is traced.
+#[derive(Clone, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct IntegratorTable {
+    /// "grains" (exact: every grain is met, light is found by escape only); default "grains".
+    pub kind: IntegratorName,
+}
+
+/// Integrators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum IntegratorName {
+    /// Exact.
+    #[default]
+    Grains,
+}

@@ -1,0 +1,31 @@
+//! Scene files: TOML that says everything that decides a picture.
+//!
+//! Two stages, parse then mean: [`SceneFile::parse`] gives the file as written (known keys, right
+//! types, `--set` applied, each key's line remembered), [`resolve`] gives what it means (values in
+//! range, metres, references loaded) as a [`snowgrain_render::description::SceneDescription`].
+//! Every error names file and line, the dotted key, the value and the mend.
+//!
+//! [`builtin_scenes`] are the scenes that come with the program, [`scene_for_mesh`] makes one for a
+//! mesh that comes alone, [`schema`] is the JSON Schema of the format.
+
+mod builtin;
+pub mod document;
+mod error;
+mod keys;
+mod mesh_scene;
+mod overrides;
+mod parse;
+mod quantity;
+mod resolve;
+mod schema;
+mod source;
+#[cfg(test)]
+mod tests;
+
+pub use builtin::{BuiltinScene, builtin_scene, builtin_scenes};
+pub use error::{LoadError, SceneError};
+pub use mesh_scene::{MeshScene, MeshSceneOptions, MeshUnits, UpAxis, scene_for_mesh};
+pub use parse::{MAX_SCENE_BYTES, SCENE_VERSION, SceneFile};
+pub use quantity::{Length, Triple};
+pub use resolve::{Loader, ReadGrains, ReadMesh, furnace, resolve};
+pub use schema::schema;

@@ -1,0 +1,157 @@
+//! Second stage: from a [`SceneFile`] to the [`SceneDescription`] that it means.
+
+mod checks;
+mod objects;
+mod snow;
+
+use super::document::{IntegratorName, LightKind};
+use super::{LoadError, SceneError, SceneFile};
+use checks::Checks;
+use snowgrain_geometry::TriangleMesh;
+use snowgrain_grains::GrainField;
+use snowgrain_math::DVec3;
+use snowgrain_render::description::{
+    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
+    SceneDescription,
+};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Reads a mesh file, in metres.
+pub type ReadMesh<'a> = dyn FnMut(&Path) -> Result<TriangleMesh, LoadError> + 'a;
+
+/// Reads a grain file.
+pub type ReadGrains<'a> = dyn FnMut(&Path) -> Result<GrainField, LoadError> + 'a;
+
+/// How the files that a scene refers to are read.
+pub struct Loader<'a> {
+    /// Reads a mesh.
+    pub mesh: &'a mut ReadMesh<'a>,
+    /// Reads grains.
+    pub grains: &'a mut ReadGrains<'a>,
+}
+
+/// What the scene means: every value checked, units converted, references loaded (relative to the
+/// scene file's folder, each mesh once), defaults filled in.
+///
+/// # Errors
+/// A value out of range, keys that do not belong together, a file that cannot be used.
+///
+/// ```
+/// use snowgrain_formats::scene::{Loader, SceneFile, builtin_scene, resolve};
+/// let scene = builtin_scene("snowy-teapot").unwrap();
+/// let file = SceneFile::parse(scene.toml, "snowy-teapot".as_ref(), &["film.width=64".into()])?;
+/// let none = |_: &std::path::Path| Err("it refers to no file".into());
+/// let description = resolve(&file, Loader { mesh: &mut { none }, grains: &mut |_| Err("nor here".into()) })?;
+/// assert_eq!(description.film.width, 64);
+/// # Ok::<(), snowgrain_formats::scene::SceneError>(())
+/// ```
+pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
+    let checks = Checks::new(file);
+    let Loader { mesh, grains } = loader;
+    let film = film(&checks)?;
+    let camera = camera(&checks)?;
+    let ice = ice(&checks)?;
+    let lights = lights(&checks)?;
+    let objects = objects::objects(&checks, mesh)?;
+    let bounded = objects.iter().any(objects::is_finite);
+    let snow = snow::snow(&checks, bounded, grains)?;
+    if objects.is_empty() && snow.is_empty() {
+        return Err(checks.missing("snow", "the scene is empty; add [[snow]] or [[object]]"));
+    }
+    let integrator = match file.document.integrator.kind {
+        IntegratorName::Grains => IntegratorKind::Grains,
+    };
+    Ok(SceneDescription { film, camera, ice, lights, objects, snow, integrator })
+}
+
+fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
+    let film = &checks.document().film;
+    for (key, pixels) in [("film.width", film.width), ("film.height", film.height)] {
+        if !(1..=65536).contains(&pixels) {
+            return Err(checks.bad(key, "must be 1 to 65536 pixels"));
+        }
+    }
+    if film.samples_per_pixel == 0 {
+        return Err(checks.bad("film.samples_per_pixel", "must be at least 1"));
+    }
+    Ok(FilmDescription {
+        width: film.width,
+        height: film.height,
+        samples_per_pixel: film.samples_per_pixel,
+        seed: film.seed,
+    })
+}
+
+fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneError> {
+    let camera = &checks.document().camera;
+    let from = checks.position("camera.from", camera.from)?;
+    let at = checks.position("camera.at", camera.at)?;
+    let up = DVec3::from(checks.finite("camera.up", camera.up)?);
+    let gaze = (at - from).try_normalize();
+    let Some(gaze) = gaze else {
+        return Err(checks.bad("camera.at", "must differ from camera.from"));
+    };
+    let Some(upward) = (up / up.abs().max_element()).try_normalize() else {
+        return Err(checks.bad("camera.up", "must not be zero; [0, 1, 0] is usual"));
+    };
+    if gaze.cross(upward).length() < 1e-6 {
+        let mend = "must not point along the line of sight; to look straight down use [0, 0, -1]";
+        return Err(checks.bad("camera.up", mend));
+    }
+    let fov = camera.vertical_fov;
+    if !(fov > 0.0 && fov < 180.0) {
+        return Err(checks.bad("camera.vertical_fov", "must be above 0 and below 180 degrees"));
+    }
+    Ok(CameraDescription {
+        from,
+        at,
+        up,
+        vertical_fov_degrees: fov,
+        backdrop: checks.radiance("camera.backdrop", camera.backdrop)?,
+    })
+}
+
+fn ice(checks: &Checks<'_>) -> Result<IceDescription, SceneError> {
+    let ice = &checks.document().ice;
+    if !(1.0..=4.0).contains(&ice.ior) {
+        return Err(checks.bad("ice.ior", "must be 1 to 4 (ice has 1.31)"));
+    }
+    if !(ice.absorption >= 0.0 && ice.absorption.is_finite()) {
+        return Err(checks.bad("ice.absorption", "must be a finite number of 1/m, at least 0"));
+    }
+    Ok(IceDescription { ior: ice.ior, absorption_per_metre: ice.absorption })
+}
+
+fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
+    let lights = &checks.document().light;
+    if lights.is_empty() {
+        let mend = "the picture would be black; add [[light]] with kind = \"sky\"";
+        return Err(checks.missing("light", mend));
+    }
+    let describe = |(i, light): (usize, &super::document::LightTable)| {
+        let radiance = checks.radiance(&format!("light.{i}.radiance"), light.radiance)?;
+        let visible_to_camera = light.visible_to_camera;
+        Ok(match light.kind {
+            LightKind::Sky => LightDescription::Sky { radiance, visible_to_camera },
+            LightKind::Uniform => LightDescription::Uniform { radiance, visible_to_camera },
+        })
+    };
+    lights.iter().enumerate().map(describe).collect()
+}
+
+/// The scene as a furnace: albedos 1, no absorption, and for light only a uniform sphere of
+/// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
+#[must_use]
+pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
+    scene.ice.absorption_per_metre = 0.0;
+    scene.lights = vec![LightDescription::Uniform { radiance: [1.0; 3], visible_to_camera: true }];
+    scene.camera.backdrop = [1.0; 3];
+    for object in &mut scene.objects {
+        object.albedo = [1.0; 3];
+    }
+    scene
+}
+
+/// Cache of the meshes of one scene: in the order of their first use.
+type Meshes = Vec<(std::path::PathBuf, Arc<TriangleMesh>)>;

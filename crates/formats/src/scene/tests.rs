@@ -1,0 +1,55 @@
+//! Scenes good and bad, end to end.
+
+mod accepted;
+mod never_panics;
+mod refused;
+
+use super::{LoadError, Loader, SceneError, SceneFile, resolve};
+use snowgrain_geometry::TriangleMesh;
+use snowgrain_grains::GrainField;
+use snowgrain_math::DVec3;
+use snowgrain_render::description::SceneDescription;
+use std::path::Path;
+
+/// The least scene; tests add to it.
+const LEAST: &str = "\
+version = 1
+[camera]
+from = [0, 1, 3]
+at = [0, 0, 0]
+[[light]]
+kind = \"sky\"
+[[object]]
+shape = \"sphere\"
+[[snow]]
+source = \"deposit\"
+grains = 1000
+radius = \"0.5 mm\"
+";
+
+fn triangle() -> TriangleMesh {
+    TriangleMesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Z], vec![[0, 1, 2]]).unwrap()
+}
+
+fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
+    let read_mesh = |path: &Path| match path.to_str() {
+        Some("folder/model.obj") => Ok(triangle()),
+        _ => Err(LoadError::from("no such file")),
+    };
+    let read_grains = |_: &Path| Err::<GrainField, _>(LoadError::from("a header without end"));
+    resolve(file, Loader { mesh: &mut { read_mesh }, grains: &mut { read_grains } })
+}
+
+/// Reads `text` as the file `folder/scene.toml`, with overrides.
+fn read(text: &str, overrides: &[&str]) -> Result<SceneDescription, SceneError> {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    meaning_of(&SceneFile::parse(text, Path::new("folder/scene.toml"), &overrides)?)
+}
+
+/// The message that `text` is refused with.
+fn refusal(text: &str, overrides: &[&str]) -> String {
+    match read(text, overrides) {
+        Ok(_) => format!("accepted: {overrides:?}\n{text}"),
+        Err(error) => error.to_string(),
+    }
+}

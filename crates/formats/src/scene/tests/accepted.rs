@@ -1,0 +1,287 @@
+//! What good scenes mean.
+
+use super::{LEAST, meaning_of, read, triangle};
+use crate::scene::{
+    LoadError, Loader, MeshSceneOptions, MeshUnits, SceneError, SceneFile, UpAxis, builtin_scene,
+    builtin_scenes, furnace, resolve, scene_for_mesh, schema,
+};
+use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
+use snowgrain_math::{Aabb, DVec3};
+use snowgrain_render::description::{LightDescription, SceneDescription, SnowDescription};
+use std::path::Path;
+
+fn builtin(name: &str) -> SceneDescription {
+    let scene = builtin_scene(name).unwrap();
+    meaning_of(&SceneFile::parse(scene.toml, Path::new(name), &[]).unwrap()).unwrap()
+}
+
+fn deposit(scene: &SceneDescription) -> &DepositSettings {
+    match &scene.snow[0] {
+        SnowDescription::Deposit(settings) => settings,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn defaults_are_those_of_the_manual() {
+    let scene = read(LEAST, &[]).unwrap();
+    assert_eq!((scene.film.width, scene.film.height, scene.film.samples_per_pixel), (512, 512, 64));
+    assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
+    assert_eq!(scene.camera.backdrop, [0.0; 3]);
+    assert_eq!((scene.ice.ior, scene.ice.absorption_per_metre), (1.31, 0.0));
+    assert_eq!(
+        scene.lights,
+        [LightDescription::Sky { radiance: [1.0; 3], visible_to_camera: true }]
+    );
+    assert_eq!(scene.objects[0].name, "object.0");
+    assert_eq!(scene.objects[0].albedo, [0.5; 3]);
+    let expected = DepositSettings {
+        amount: Amount::Grains(1000),
+        radii: Radii { mean: 0.0005, variation: 0.0 },
+        density: None,
+        rule: DepositRule::Ray,
+        max_slope_degrees: 80.0,
+        area: None,
+        seed: 0,
+    };
+    assert_eq!(deposit(&scene), &expected);
+}
+
+#[test]
+fn every_deposit_key_arrives_in_metres() {
+    let text = LEAST.replace("grains = 1000", "depth = \"3 cm\"")
+        + "variation = \"200 um\"\ndensity = 250\nrule = \"roll\"\nmax_slope = 60\n\
+           area = [\"-1 m\", -2, \"50 cm\", 0.25]\nseed = 7\n";
+    let expected = DepositSettings {
+        amount: Amount::Depth(0.03),
+        radii: Radii { mean: 0.0005, variation: 0.0002 },
+        density: Some(250.0),
+        rule: DepositRule::Roll,
+        max_slope_degrees: 60.0,
+        area: Some([-1.0, -2.0, 0.5, 0.25]),
+        seed: 7,
+    };
+    assert_eq!(deposit(&read(&text, &[]).unwrap()), &expected);
+    let stick = read(LEAST, &["snow.rule=stick"]).unwrap();
+    assert_eq!(deposit(&stick).max_slope_degrees, 90.0);
+    let alias = read(LEAST, &["snow.rule=chrisman"]).unwrap();
+    assert_eq!(deposit(&alias).rule, DepositRule::Ray);
+    assert_eq!(deposit(&read(LEAST, &["snow.variation=0.5mm"]).unwrap()).radii.variation, 0.0005);
+}
+
+#[test]
+fn overrides_change_and_add_values() {
+    let scene = read(
+        LEAST,
+        &[
+            "snow.0.radius = 0.3 mm",
+            "snow.seed=5",
+            "film.width=64",
+            "camera.at.1=0.25",
+            "light.0={kind=\"uniform\", radiance=[1, 2, 3]}",
+            "object.name=a ball",
+            "film.width=65",
+        ],
+    )
+    .unwrap();
+    assert_eq!(deposit(&scene).radii.mean, 0.0003);
+    assert_eq!(deposit(&scene).seed, 5);
+    assert_eq!(scene.film.width, 65);
+    assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
+    assert_eq!(scene.objects[0].name, "a ball");
+    assert_eq!(
+        scene.lights,
+        [LightDescription::Uniform { radiance: [1.0, 2.0, 3.0], visible_to_camera: true }]
+    );
+}
+
+#[test]
+fn objects_are_scaled_then_rotated_then_translated() {
+    let scene = read(
+        LEAST,
+        &[
+            "object.scale=[2, 3, 4]",
+            "object.rotate=[0, 0, 90]",
+            "object.translate=[10, \"5 cm\", 0]",
+        ],
+    )
+    .unwrap();
+    let transform = scene.objects[0].transform;
+    assert_eq!(transform.transform_point3(DVec3::X), DVec3::new(10.0, 2.05, 0.0));
+    assert_eq!(transform.transform_point3(DVec3::Z), DVec3::new(10.0, 0.05, 4.0));
+}
+
+#[test]
+fn meshes_are_read_once_relative_to_the_scene() {
+    let text = LEAST.replace("shape = \"sphere\"", "shape = \"mesh\"\nfile = \"model.obj\"")
+        + "[[object]]\nshape = \"mesh\"\nfile = \"model.obj\"\nname = \"again\"\n";
+    let file = SceneFile::parse(&text, Path::new("folder/scene.toml"), &[]).unwrap();
+    let mut asked = Vec::new();
+    let mut read_mesh = |path: &Path| {
+        asked.push(path.to_owned());
+        Ok(triangle())
+    };
+    let mut no_grains = |_: &Path| Err(LoadError::from("none"));
+    let scene = resolve(&file, Loader { mesh: &mut read_mesh, grains: &mut no_grains }).unwrap();
+    assert_eq!(asked, [Path::new("folder/model.obj")]);
+    assert_eq!(scene.objects[0].name, "model.obj");
+    assert_eq!(scene.objects[1].name, "again");
+}
+
+#[test]
+fn builtin_scenes_are_what_they_say() {
+    assert_eq!(builtin_scenes().len(), 6);
+    for scene in builtin_scenes() {
+        let described = builtin(scene.name);
+        assert!(scene.toml.starts_with("# "), "{} has no introduction", scene.name);
+        assert_eq!((described.film.width, described.film.height), (512, 512));
+    }
+    for (thin, thick) in
+        [("snowy-sphere-thin", "snowy-sphere-thick"), ("snowy-teapot-thin", "snowy-teapot")]
+    {
+        let (thin, thick) = (builtin(thin), builtin(thick));
+        assert_eq!(deposit(&thin).amount, deposit(&thick).amount);
+        assert!(deposit(&thin).radii.mean < deposit(&thick).radii.mean);
+        assert_eq!(thin.camera, thick.camera);
+        assert_eq!(thin.ice.ior, 1.32);
+    }
+}
+
+/// The camera of the benchmark: the centre seen from 2.6 sides away along (1, .9, .8), 40 degrees.
+#[test]
+fn cubes_are_seen_by_the_camera_of_the_benchmark() {
+    for (name, kind, counts, side) in [
+        ("snow-cube-sc", LatticeKind::Sc, 120, 120.0),
+        ("snow-cube", LatticeKind::Fcc, 76, 76.0 * 2f64.sqrt() * 0.001),
+    ] {
+        let scene = builtin(name);
+        let SnowDescription::Lattice(lattice) = &scene.snow[0] else { panic!("{name}") };
+        assert_eq!((lattice.kind, lattice.counts), (kind, [counts; 3]));
+        assert_eq!((lattice.spacing, lattice.density), (None, None));
+        let center = DVec3::splat(side / 2.0);
+        let from = center + DVec3::new(1.0, 0.9, 0.8).normalize() * (2.6 * side);
+        assert!((scene.camera.at - center).length() < 1e-12 * side);
+        assert!((scene.camera.from - from).length() < 1e-12 * side);
+        assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
+    }
+}
+
+#[test]
+fn a_furnace_has_white_walls_and_one_uniform_light() {
+    let scene = furnace(builtin("snowy-teapot"));
+    assert_eq!(
+        scene.lights,
+        [LightDescription::Uniform { radiance: [1.0; 3], visible_to_camera: true }]
+    );
+    assert_eq!(scene.objects[0].albedo, [1.0; 3]);
+    assert_eq!(scene.camera.backdrop, [1.0; 3]);
+    assert_eq!(scene.ice.absorption_per_metre, 0.0);
+}
+
+#[test]
+fn the_committed_schema_is_current() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.schema.json");
+    let committed = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        committed == schema(),
+        "docs/scene.schema.json is stale; write it anew with \
+         `cargo run --release -- schema > docs/scene.schema.json`"
+    );
+}
+
+/// The description of the scene made for a mesh with these bounds.
+fn look(bounds: Aabb, options: &MeshSceneOptions) -> (SceneDescription, Vec<String>) {
+    let made = scene_for_mesh("model.obj", &bounds, options).unwrap();
+    let file = SceneFile::parse(&made.toml, Path::new("folder/model.toml"), &[]).unwrap();
+    (meaning_of(&file).unwrap(), made.assumptions)
+}
+
+/// The corners of the mesh's box, where a quick look puts them.
+fn placed_corners(scene: &SceneDescription, bounds: &Aabb) -> Vec<DVec3> {
+    let pick = |bit: bool, axis: usize| if bit { bounds.max[axis] } else { bounds.min[axis] };
+    (0..8)
+        .map(|i| DVec3::new(pick(i & 1 > 0, 0), pick(i & 2 > 0, 1), pick(i & 4 > 0, 2)))
+        .map(|corner| scene.objects[0].transform.transform_point3(corner))
+        .collect()
+}
+
+/// Where a point falls in the square picture: within [-1, 1] in x and y.
+fn in_picture(scene: &SceneDescription, point: DVec3) -> [f64; 2] {
+    let camera = &scene.camera;
+    let gaze = (camera.at - camera.from).normalize();
+    let right = gaze.cross(camera.up).normalize();
+    let offset = point - camera.from;
+    let half = (camera.vertical_fov_degrees * 0.5).to_radians();
+    let reach = gaze.dot(offset) * snowgrain_math::trig::tan(half);
+    [right.dot(offset) / reach, right.cross(gaze).dot(offset) / reach]
+}
+
+#[test]
+fn a_mesh_alone_stands_on_a_slab_in_real_size() {
+    let bounds = Aabb::new(DVec3::new(90.0, -7.0, 3.0), DVec3::new(110.0, 33.0, 13.0));
+    for (options, longest) in [
+        (MeshSceneOptions::default(), 0.2),
+        (MeshSceneOptions { units: Some(MeshUnits::Millimetres), ..Default::default() }, 0.04),
+        (MeshSceneOptions { object_size: Some(1.5), ..Default::default() }, 1.5),
+        (MeshSceneOptions { up: Some(UpAxis::Z), ..Default::default() }, 0.2),
+    ] {
+        let (scene, assumptions) = look(bounds, &options);
+        let corners = placed_corners(&scene, &bounds);
+        let stands = corners.iter().fold(Aabb::EMPTY, |b, &corner| b.including(corner));
+        let height = if options.up == Some(UpAxis::Z) { 0.25 } else { 1.0 };
+        assert!((stands.size().y / longest - height).abs() < 1e-12);
+        assert!(stands.min.y.abs() < 1e-12);
+        assert!((stands.min.x + stands.max.x).abs() < 1e-12);
+        assert!((stands.min.z + stands.max.z).abs() < 1e-12);
+        for corner in corners {
+            let [x, y] = in_picture(&scene, corner);
+            assert!(x.abs() <= 1.0 && y.abs() <= 1.0, "({x}, {y})");
+        }
+        assert_eq!(assumptions.len(), 3);
+        check_ground(&scene, &stands);
+    }
+}
+
+/// The snow's area is the top of the ground; object and foreground lie inside it, and only its far
+/// edge is in the picture.
+fn check_ground(scene: &SceneDescription, stands: &Aabb) {
+    let ground = scene.objects[1].transform;
+    let (low, high) =
+        (ground.transform_point3(DVec3::new(-1.0, 1.0, -1.0)), ground.transform_point3(DVec3::ONE));
+    assert_eq!((low.y, high.y), (0.0, 0.0));
+    let [x0, z0, x1, z1] = deposit(scene).area.unwrap();
+    let side = x1 - x0;
+    for (edge, corner) in [(x0, low.x), (z0, low.z), (x1, high.x), (z1, high.z)] {
+        assert!((edge - corner).abs() < 1e-4 * side, "{edge} {corner}");
+    }
+    assert!(stands.max.x < x1 && stands.max.z < z1 && stands.min.z > z0);
+    assert!(in_picture(scene, DVec3::new(x1, 0.0, z0))[0] > 1.0);
+    assert!(in_picture(scene, DVec3::new(0.0, 0.0, z1))[1] < -1.0);
+    let far_edge = in_picture(scene, DVec3::new(0.0, 0.0, z0))[1];
+    assert!((-0.2..0.9).contains(&far_edge), "{far_edge}");
+}
+
+#[test]
+fn a_mesh_in_plausible_metres_keeps_its_size() {
+    let bounds = Aabb::new(DVec3::ZERO, DVec3::new(0.15, 0.15, 0.12));
+    let (scene, assumptions) = look(bounds, &MeshSceneOptions::default());
+    let edge = scene.objects[0].transform.transform_vector3(DVec3::Z * 0.12);
+    assert!((edge.length() - 0.12).abs() < 1e-12);
+    assert!(assumptions[0].starts_with("longest side 0.1500 m (the file taken as metres"));
+    let radius = deposit(&scene).radii.mean;
+    assert!((0.0003..0.0008).contains(&radius), "{radius}");
+}
+
+#[test]
+fn odd_names_and_sizes_of_meshes_are_safe() {
+    let bounds = Aabb::new(DVec3::ZERO, DVec3::splat(1e300));
+    let made = scene_for_mesh("a\"b\n'c.obj", &bounds, &MeshSceneOptions::default()).unwrap();
+    let file = SceneFile::parse(&made.toml, Path::new("x.toml"), &[]).unwrap();
+    assert_eq!(file.document.object[0].file.as_deref(), Some("a\"b\n'c.obj"));
+    assert!(meaning_of(&file).is_err());
+    for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let options = MeshSceneOptions { object_size: Some(size), ..Default::default() };
+        let error = scene_for_mesh("m.obj", &bounds, &options).unwrap_err();
+        assert!(matches!(error, SceneError::BadValue { .. }), "{error}");
+    }
+}

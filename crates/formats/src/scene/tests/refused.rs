@@ -1,0 +1,342 @@
+//! Each class of bad scene and the message that it gets.
+
+use super::{LEAST, refusal};
+use crate::scene::{MAX_SCENE_BYTES, SceneError, SceneFile};
+use std::path::Path;
+
+/// The refusal of the least scene where `line` replaces `old`.
+fn instead(old: &str, line: &str) -> String {
+    assert!(LEAST.contains(old));
+    refusal(&LEAST.replace(old, line), &[])
+}
+
+/// The refusal of the least scene with lines added to its snow.
+fn in_snow(lines: &str) -> String {
+    refusal(&format!("{LEAST}{lines}\n"), &[])
+}
+
+#[test]
+fn unknown_keys_suggest_the_nearest() {
+    assert_eq!(
+        instead("radius = \"0.5 mm\"", "radus = \"0.5 mm\""),
+        "folder/scene.toml:12: snow.0.radus: unknown key; did you mean `snow.0.radius`?"
+    );
+    assert_eq!(
+        instead("[camera]", "[camra]"),
+        "folder/scene.toml:2: camra: unknown key; did you mean `camera`?"
+    );
+    assert_eq!(
+        in_snow("temperature = -3"),
+        "folder/scene.toml:13: snow.0.temperature: unknown key; known here: area, counts, density, \
+         depth, file, grains, lattice, max_slope, radius, rule, seed, source, spacing, variation"
+    );
+    let long = instead("[camera]", &format!("[{}]", "x".repeat(10_000)));
+    assert!(long.len() < 300, "{long}");
+}
+
+#[test]
+fn text_that_is_not_toml_names_its_line() {
+    let message = instead("kind = \"sky\"", "kind = \"sky");
+    assert!(message.starts_with("folder/scene.toml:6: not TOML: "), "{message}");
+    let twice = instead("grains = 1000", "grains = 1000\ngrains = 5");
+    assert_eq!(twice, "folder/scene.toml:12: not TOML: duplicate key");
+}
+
+#[test]
+fn bytes_that_are_not_text_are_refused() {
+    let error = SceneFile::parse_bytes(b"version = 1\n\xff", Path::new("a.toml"), &[]);
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "a.toml:1: byte 12 is not UTF-8 text; a scene is a TOML text file"
+    );
+}
+
+#[test]
+fn deep_nesting_and_long_files_are_refused() {
+    for open in ["[", "{a=", "{a.a=", "[[{a.b.c="] {
+        let deep = instead("grains = 1000", &format!("grains = {}", open.repeat(100_000)));
+        assert!(deep.contains("nest deeper than in any scene"), "{deep}");
+    }
+    let dotted = instead("grains = 1000", &format!("{}a = 1", "a.".repeat(100_000)));
+    assert!(dotted.contains("nest deeper than in any scene"), "{dotted}");
+    let header = instead("[camera]", &format!("[{}a]", "a.".repeat(100_000)));
+    assert!(header.contains("nest deeper than in any scene"), "{header}");
+    let long = format!("{LEAST}#{}", " ".repeat(MAX_SCENE_BYTES));
+    assert_eq!(
+        refusal(&long, &[]),
+        "folder/scene.toml: longer than 1048576 bytes; a scene file refers to large data by `file = ...`"
+    );
+}
+
+#[test]
+fn a_missing_file_can_be_told_from_a_bad_one() {
+    let error = SceneFile::read(Path::new("no/such/scene.toml"), &[]).unwrap_err();
+    assert!(error.to_string().starts_with("no/such/scene.toml: "), "{error}");
+    let SceneError::Read { cause, .. } = error else { panic!("{error}") };
+    assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
+}
+
+#[test]
+fn versions_are_checked_before_keys() {
+    assert_eq!(
+        instead("version = 1", "version = 2\nfuture = true"),
+        "folder/scene.toml:1: version = 2: this program reads version 1"
+    );
+    assert_eq!(
+        instead("version = 1", ""),
+        "folder/scene.toml: version is missing: write `version = 1` at the top"
+    );
+    assert!(instead("version = 1", "version = \"1\"").contains("version = \"1\": this program"));
+}
+
+#[test]
+fn missing_keys_are_named_with_their_meaning() {
+    assert_eq!(
+        instead("at = [0, 0, 0]\n", ""),
+        "folder/scene.toml:2: camera.at is missing: The point in the middle of the picture: \
+         [x, y, z], lengths."
+    );
+    assert_eq!(
+        instead("radius = \"0.5 mm\"\n", ""),
+        "folder/scene.toml:9: snow.0.radius is missing: write radius = \"0.5 mm\""
+    );
+    assert_eq!(
+        instead("[[light]]\nkind = \"sky\"\n", ""),
+        "folder/scene.toml: light is missing: the picture would be black; add [[light]] with \
+         kind = \"sky\""
+    );
+    let empty = &LEAST[..LEAST.find("[[object]]").unwrap()];
+    assert!(refusal(empty, &[]).contains("the scene is empty"));
+}
+
+#[test]
+fn tables_and_lists_of_tables_are_told_apart() {
+    assert_eq!(
+        instead("[[light]]", "[light]"),
+        "folder/scene.toml:5: light = [light]: there may be several; write [[light]]"
+    );
+    assert_eq!(
+        instead("[camera]", "[[camera]]"),
+        "folder/scene.toml:2: camera = [[camera]]: there is only one; write [camera]"
+    );
+    assert_eq!(
+        instead("version = 1", "version = 1\nfilm = 3"),
+        "folder/scene.toml:2: film = 3: write a table, [film]"
+    );
+}
+
+#[test]
+fn values_of_a_wrong_type_say_what_is_expected() {
+    assert_eq!(
+        instead("grains = 1000", "grains = \"many\""),
+        "folder/scene.toml:11: snow.0.grains = \"many\": expected a whole number that is not \
+         negative. How many grains lie in the end: a whole number, at least 1, as 1_000_000; \
+         deposit (this or `depth`)."
+    );
+    assert!(
+        instead("grains = 1000", "grains = -5")
+            .contains("snow.0.grains = -5: expected a whole number that is not negative")
+    );
+    assert!(instead("\"0.5 mm\"", "\"0.5 parsec\"").contains(
+        "folder/scene.toml:12: snow.0.radius = \"0.5 parsec\": unknown unit of length `parsec`; \
+         use um, mm, cm, m, km or in"
+    ));
+    assert!(instead("\"0.5 mm\"", "true").contains("snow.0.radius = true: expected a length"));
+    assert!(
+        instead("[0, 0, 0]", "[0, 0]")
+            .contains("camera.at = [0, 0]: expected an array of length 3")
+    );
+    assert!(
+        instead("\"deposit\"", "\"deposi\"")
+            .contains("snow.0.source = \"deposi\": unknown variant")
+    );
+    assert!(in_snow("seed = 99999999999999999999999").contains("snow.0.seed"));
+    assert!(
+        in_snow("density = 1979-05-27").contains("snow.0.density = 1979-05-27: expected a number")
+    );
+}
+
+#[test]
+fn radii_are_checked() {
+    for radius in ["0", "-0.001", "\"-1 mm\"", "nan", "inf", "1e300", "1e-300"] {
+        assert_eq!(
+            instead("\"0.5 mm\"", radius),
+            format!(
+                "folder/scene.toml:12: snow.0.radius = {radius}: must be a finite length above 0, \
+                 as \"0.5 mm\""
+            )
+        );
+    }
+    for variation in ["\"0.6 mm\"", "-1e-9", "nan"] {
+        assert_eq!(
+            in_snow(&format!("variation = {variation}")),
+            format!(
+                "folder/scene.toml:13: snow.0.variation = {variation}: must be 0 to the radius, \
+                 0.0005 m"
+            )
+        );
+    }
+}
+
+#[test]
+fn amounts_of_snow_are_checked() {
+    assert_eq!(
+        in_snow("depth = 0.1"),
+        "folder/scene.toml:13: snow.0.depth = 0.1: both grains and depth say how much snow; keep \
+         one of them"
+    );
+    assert!(instead("grains = 1000\n", "").contains("snow.0.grains is missing: say how much"));
+    assert!(instead("= 1000", "= 0").contains("snow.0.grains = 0: must be at least 1"));
+    assert!(instead("= 1000", "= 9_000_000_000_000_000_000").contains("more than any machine"));
+    assert!(instead("grains = 1000", "depth = nan").contains("snow.0.depth = nan: must be"));
+    for density in ["0", "917.5", "-1", "nan", "inf"] {
+        assert_eq!(
+            in_snow(&format!("density = {density}")),
+            format!(
+                "folder/scene.toml:13: snow.0.density = {density}: must be above 0 and at most \
+                 917 kg/m^3 (solid ice)"
+            )
+        );
+    }
+    for slope in ["-1", "90.5", "nan"] {
+        assert!(in_snow(&format!("max_slope = {slope}")).contains("must be 0 to 90 degrees"));
+    }
+    for area in ["[0, 0, 0, 1]", "[0, 1, 1, 0]", "[nan, 0, 1, 1]", "[0, 0, inf, 1]"] {
+        assert!(in_snow(&format!("area = {area}")).contains("snow.0.area = ["));
+    }
+    assert!(
+        instead("\"sphere\"", "\"plane\"")
+            .contains("snow.0.area is missing: no finite object says where snow falls")
+    );
+}
+
+#[test]
+fn keys_of_one_source_are_refused_on_another() {
+    assert_eq!(
+        in_snow("lattice = \"fcc\""),
+        "folder/scene.toml:13: snow.0.lattice = \"fcc\": not a key of source = \"deposit\" but of \
+         \"lattice\"; remove it or change the source (deposit takes: grains, depth, radius, \
+         variation, density, rule, max_slope, area, seed)"
+    );
+    assert!(
+        instead("\"deposit\"", "\"lattice\"")
+            .contains("snow.0.grains = 1000: not a key of source = \"lattice\" but of \"deposit\"")
+    );
+    assert!(instead("\"deposit\"", "\"file\"").contains("not a key of source = \"file\""));
+    assert_eq!(
+        instead("\"deposit\"", "\"pack\""),
+        "folder/scene.toml:10: snow.0.source = \"pack\": packings come in a later version; this \
+         one offers \"deposit\", \"lattice\" and \"file\""
+    );
+    assert!(
+        instead("\"sphere\"", "\"sphere\"\nfile = \"a.obj\"")
+            .contains("object.0.file = \"a.obj\": only a mesh has a file")
+    );
+}
+
+#[test]
+fn lattices_are_checked() {
+    let lattice = |lines: &str| {
+        let head = &LEAST[..LEAST.find("source").unwrap()];
+        refusal(&format!("{head}source = \"lattice\"\nradius = 0.5\n{lines}\n"), &[])
+    };
+    assert!(lattice("counts = [1, 1, 1]").contains("snow.0.lattice is missing"));
+    assert!(lattice("lattice = \"sc\"").contains("snow.0.counts is missing"));
+    assert!(lattice("lattice = \"sc\"\ncounts = [0, 1, 1]").contains("each must be at least 1"));
+    let most = "lattice = \"fcc\"\ncounts = [4294967295, 4294967295, 4294967295]";
+    assert!(lattice(most).contains("at most 1099511627776 are possible"), "{}", lattice(most));
+    let both = "lattice = \"sc\"\ncounts = [1, 1, 1]\nspacing = 2\ndensity = 100";
+    assert!(lattice(both).contains("snow.0.density = 100: both spacing and density"));
+    let spacing = "lattice = \"sc\"\ncounts = [1, 1, 1]\nspacing = 0";
+    assert!(lattice(spacing).contains("snow.0.spacing = 0: must be a finite length above 0"));
+}
+
+#[test]
+fn films_and_cameras_are_checked() {
+    let set = |assignment: &str| refusal(LEAST, &[assignment]);
+    assert_eq!(
+        set("film.width=0"),
+        "--set film.width=0: film.width = 0: must be 1 to 65536 pixels"
+    );
+    assert!(set("film.height=65537").contains("must be 1 to 65536 pixels"));
+    assert!(set("film.width=5000000000").contains("expected a whole number"));
+    assert!(set("film.samples_per_pixel=0").contains("must be at least 1"));
+    assert!(set("camera.vertical_fov=180").contains("above 0 and below 180 degrees"));
+    assert!(set("camera.vertical_fov=nan").contains("above 0 and below 180 degrees"));
+    assert!(set("camera.from=[0,0,0]").contains("camera.at = [0, 0, 0]: must differ"));
+    assert!(set("camera.from=[0,inf,0]").contains("must be finite lengths"));
+    assert!(set("camera.up=[0,0,0]").contains("must not be zero"));
+    assert!(set("camera.up=[0,-1,-3]").contains("must not point along the line of sight"));
+    assert!(set("camera.up=[0,nan,0]").contains("must be finite numbers"));
+    assert!(set("camera.backdrop=-1").contains("must be finite and not negative"));
+}
+
+#[test]
+fn ice_lights_and_objects_are_checked() {
+    let set = |assignment: &str| refusal(LEAST, &[assignment]);
+    assert!(set("ice.ior=0.9").contains("ice.ior = 0.9: must be 1 to 4"));
+    assert!(set("ice.ior=nan").contains("must be 1 to 4"));
+    assert!(set("ice.absorption=-1").contains("must be a finite number of 1/m"));
+    assert!(set("ice.absorption=inf").contains("must be a finite number of 1/m"));
+    assert!(set("light.radiance=1e40").contains("must be finite and not negative"));
+    assert!(set("light.radiance=[1,2]").contains("light.0.radiance = [1,2]: expected a number or"));
+    assert!(set("light.radiance=[1,2,3,4]").contains("expected three numbers, found more"));
+    assert!(set("object.albedo=[0,0,1.5]").contains("each must be 0 to 1"));
+    assert!(set("object.albedo=nan").contains("each must be 0 to 1"));
+    assert!(set("object.scale=0").contains("must be finite and not 0"));
+    assert!(set("object.scale=[1,1,inf]").contains("must be finite and not 0"));
+    assert!(set("object.rotate=[nan,0,0]").contains("must be finite numbers"));
+    assert!(set("object.translate=[1e200,0,0]").contains("must be finite lengths"));
+}
+
+#[test]
+fn references_that_cannot_be_used_say_why() {
+    let mesh = |lines: &str| instead("shape = \"sphere\"", &format!("shape = \"mesh\"\n{lines}"));
+    assert!(mesh("").contains("object.0.file is missing: name the mesh"));
+    assert_eq!(
+        mesh("file = \"other.obj\""),
+        "folder/scene.toml:9: object.0.file = \"other.obj\": no such file"
+    );
+    assert!(mesh("file = \"\"").contains("must name a file"));
+    assert!(mesh("file = \"a\\u0000b\"").contains("must name a file"));
+    assert!(mesh("file = \"model.obj\"\nscale = 1e11").starts_with("accepted"));
+    assert!(mesh("file = \"model.obj\"\nscale = 1e12").contains("use a smaller scale"));
+    let head = &LEAST[..LEAST.find("source").unwrap()];
+    assert_eq!(
+        refusal(&format!("{head}source = \"file\"\nfile = \"g.ply\"\n"), &[]),
+        "folder/scene.toml:11: snow.0.file = \"g.ply\": a header without end"
+    );
+}
+
+#[test]
+fn overrides_that_fit_nowhere_are_refused() {
+    let set = |assignment: &str| refusal(LEAST, &[assignment]);
+    assert_eq!(
+        set("snow.radus=1"),
+        "--set snow.radus=1: unknown key snow.0.radus; did you mean `snow.0.radius`?"
+    );
+    assert_eq!(
+        set("snow.1.radius=1"),
+        "--set snow.1.radius=1: the scene has snow.0 to snow.0 only"
+    );
+    assert_eq!(set("film"), "--set film: write path=value, as snow.0.radius=0.3mm");
+    assert_eq!(
+        set("film.width.x=1"),
+        "--set film.width.x=1: film.width is not written; give the whole of it"
+    );
+    assert_eq!(set("camera.at.3=1"), "--set camera.at.3=1: camera.at has no item 3");
+    assert!(set("=1").contains("unknown key ;"), "{}", set("=1"));
+    assert!(set("..=1").contains("unknown key"));
+    assert!(set("a\nb=1").contains("write it on one line"));
+    let two = format!("{LEAST}[[snow]]\nsource = \"deposit\"\n");
+    assert_eq!(
+        refusal(&two, &["snow.radius=1"]),
+        "--set snow.radius=1: the scene has 2 of snow; say which, as snow.0.radius"
+    );
+    let none = &LEAST[..LEAST.find("[[snow]]").unwrap()];
+    assert_eq!(
+        refusal(none, &["snow.radius=1"]),
+        "--set snow.radius=1: the scene has no [[snow]]; add it to the file"
+    );
+    assert!(set("snow.0={source=\"deposit\", radus=1}").starts_with("--set snow.0={"));
+}
