@@ -1,3 +1,29 @@
-//! Every byte that enters or leaves: scenes, meshes, grains, images and films.
+//! Every byte that enters or leaves Snowgrain: scenes, meshes, grains, pictures and films.
+//!
+//! Readers trust nothing: counts and sizes are compared with the length of the file before any
+//! memory is taken, and a fault is one [`FormatsError`] that names file, place and mend. Writers go
+//! through [`atomic::write`], so that a file appears whole or not at all. What is written depends
+//! on the content alone, never on time, host or threads.
+//!
+//! | content | read | write |
+//! |---|---|---|
+//! | scene (TOML) | [`scene`] | |
+//! | mesh (OBJ, PLY) | [`load_mesh`] | |
+//! | grains (PLY) | [`read_grains`] | [`write_grains`] |
+//! | film | [`read_film`] | [`write_film`] |
+//! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
+pub mod atomic;
+mod error;
+mod film_file;
+mod grains;
+pub mod image;
+mod input;
+mod mesh;
+mod ply;
 pub mod scene;
+
+pub use error::{FormatsError, Place};
+pub use film_file::{read_film, write_film};
+pub use grains::{read_grains, write_grains};
+pub use mesh::{PlyContent, load_mesh, ply_content};

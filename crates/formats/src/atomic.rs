@@ -1,0 +1,202 @@
+//! Files that appear whole or not at all (contract 7 of `ARCHITECTURE.md`).
+
+use crate::FormatsError;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Writes a file through a temporary one in the same folder: filled by `body`, flushed to the disk,
+/// then renamed. On any error the file that was there before stays and the temporary one goes.
+///
+/// The permissions of a new file are those that the process gives to any new file. A link is
+/// followed: the file it names is replaced, not the link.
+///
+/// # Errors
+/// [`FormatsError::CannotCreate`] where no file can be made there, [`FormatsError::Write`] where
+/// `body` or the disk fails.
+pub fn write(
+    path: &Path,
+    body: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<(), FormatsError> {
+    let target = target(path)?;
+    let mut temporary = temporary_beside(path, &target)?;
+    fill(temporary.as_file_mut(), body)
+        .map_err(|source| FormatsError::Write { path: path.to_path_buf(), source })?;
+    temporary.persist(&target.file).map_err(|failure| cannot_create(path, &failure.error))?;
+    sync_folder(&target.folder)
+        .map_err(|source| FormatsError::Write { path: path.to_path_buf(), source })
+}
+
+/// Whether a file could be written there now, so that a long run does not end in a surprise. An
+/// existing file is not touched.
+///
+/// # Errors
+/// [`FormatsError::CannotCreate`]: the folder is missing or read-only, or the path is a folder or a
+/// read-only file.
+pub fn check_writable_target(path: &Path) -> Result<(), FormatsError> {
+    let target = target(path)?;
+    temporary_beside(path, &target).map(drop)
+}
+
+/// Where a file really goes.
+struct Target {
+    folder: PathBuf,
+    file: PathBuf,
+}
+
+fn target(path: &Path) -> Result<Target, FormatsError> {
+    let refuse = |reason: &str| {
+        Err(FormatsError::CannotCreate { path: path.to_path_buf(), reason: reason.into() })
+    };
+    if path.file_name().is_none() {
+        return refuse("this does not name a file; add a file name");
+    }
+    let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    if let Ok(metadata) = fs::metadata(&file) {
+        if metadata.is_dir() {
+            return refuse("this is a folder; name a file in it");
+        }
+        if !metadata.is_file() {
+            return refuse("this is not a regular file; name another");
+        }
+        if metadata.permissions().readonly() {
+            return refuse("there is a read-only file; name another or make it writable");
+        }
+    }
+    let folder = match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    match fs::metadata(&folder) {
+        Ok(metadata) if metadata.is_dir() => Ok(Target { folder, file }),
+        Ok(_) => refuse(&format!("{} is not a folder; name another", folder.display())),
+        Err(_) => refuse(&format!("there is no folder {}; make it first", folder.display())),
+    }
+}
+
+fn temporary_beside(path: &Path, target: &Target) -> Result<NamedTempFile, FormatsError> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".snowgrain-").suffix(".partial");
+    #[cfg(unix)]
+    let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(permissions);
+    builder.tempfile_in(&target.folder).map_err(|error| cannot_create(path, &error))
+}
+
+fn cannot_create(path: &Path, error: &io::Error) -> FormatsError {
+    let reason = format!("{error}; choose another folder or make this one writable");
+    FormatsError::CannotCreate { path: path.to_path_buf(), reason }
+}
+
+fn fill(
+    file: &mut File,
+    body: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(1 << 20, &mut *file);
+    body(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    file.sync_all()
+}
+
+/// Makes the new name durable, where the system can do that for folders.
+#[cfg(unix)]
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::InvalidInput
+                    | io::ErrorKind::Unsupported
+                    | io::ErrorKind::PermissionDenied
+            ) =>
+        {
+            Ok(()) // some file systems cannot, and a folder may be writable but not readable
+        }
+        result => result,
+    }
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_folder: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_file_appears_whole_and_replaces_the_old_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.bin");
+        for content in ["first", "second"] {
+            write(&path, |w| w.write_all(content.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), content);
+        }
+        assert_eq!(names(folder.path()), ["out.bin"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.bin");
+        fs::write(&path, "old").unwrap();
+        let error = write(&path, |w| {
+            w.write_all(&[0; 3 << 20])?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        })
+        .unwrap_err();
+        assert_eq!(error.exit_code(), 74);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(names(folder.path()), ["out.bin"]);
+    }
+
+    #[test]
+    fn what_cannot_be_created_is_said_before_any_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        let read_only = folder.path().join("read-only");
+        fs::write(&read_only, "").unwrap();
+        let mut permissions = fs::metadata(&read_only).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&read_only, permissions).unwrap();
+        for path in [
+            folder.path().to_path_buf(),
+            folder.path().join("missing/out.png"),
+            file.join("out.png"),
+            PathBuf::from("/"),
+            read_only,
+        ] {
+            let error = check_writable_target(&path).unwrap_err();
+            assert_eq!(error.exit_code(), 73, "{error}");
+            assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
+        }
+        check_writable_target(&folder.path().join("out.png")).unwrap();
+        check_writable_target(&file).unwrap();
+        assert_eq!(names(folder.path()).len(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed_and_permissions_are_those_of_any_new_file() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (folder.path().join("real"), folder.path().join("link"));
+        fs::write(&real, "old").unwrap();
+        symlink(&real, &link).unwrap();
+        let usual = fs::metadata(&real).unwrap().permissions().mode();
+        write(&link, |w| w.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&real).unwrap(), "new");
+        assert_eq!(fs::metadata(&real).unwrap().permissions().mode(), usual);
+    }
+}

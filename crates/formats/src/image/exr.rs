@@ -1,0 +1,277 @@
+//! OpenEXR: scene-linear layers in 32-bit floats.
+//!
+//! One part, channels named as [`Layer::name`] says (the format demands alphabetical order in the
+//! file), ZIP compression, chromaticities of Rec. 709, and where known the attributes
+//! `samplesPerPixel`, `seed`, `sceneHash` and `software` (name and version).
+
+use super::{check_size, picture_fault};
+use crate::atomic;
+use crate::error::{Fault, FormatsError};
+use exr::image::write::WritableImage;
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer as Part};
+use exr::math::Vec2;
+use exr::meta::MetaData;
+use exr::meta::attribute::{
+    AttributeValue, Chromaticities, Compression, IntegerBounds, LineOrder, Text,
+};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::prelude::{ReadChannels, ReadLayers};
+use snowgrain_film::{Layer, Picture, PixelRect, Provenance};
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+/// First bytes of an EXR file.
+pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
+const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
+const SEED: &str = "seed";
+const SCENE_HASH: &str = "sceneHash";
+
+/// Writes all layers of a picture. The same picture gives the same bytes.
+///
+/// # Errors
+/// [`FormatsError::BadOutput`] for a picture without layers; what [`atomic::write`] refuses.
+pub fn write_exr(path: &Path, picture: &Picture) -> Result<(), FormatsError> {
+    let bytes = encode(picture).map_err(|error| FormatsError::BadOutput {
+        path: path.to_path_buf(),
+        what: format!("the picture cannot be stored: {error}"),
+        mend: "give it at least one layer and fewer than 2^30 pixels a side".into(),
+    })?;
+    atomic::write(path, |writer| writer.write_all(&bytes))
+}
+
+fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
+    let window = picture.window();
+    let channels = picture
+        .layers()
+        .map(|(layer, values)| AnyChannel::new(layer.name(), FlatSamples::F32(values.to_vec())))
+        .collect();
+    let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
+    let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
+    attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
+    if let Some(provenance) = &picture.provenance {
+        attributes.other.extend(described(provenance));
+    }
+    let part = Part::new(
+        (window.width() as usize, window.height() as usize),
+        attributes,
+        Encoding {
+            compression: Compression::ZIP16,
+            blocks: exr::image::Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
+        AnyChannels::sort(channels),
+    );
+    let size = (picture.width() as usize, picture.height() as usize);
+    let mut image = Image::new(
+        ImageAttributes::new(IntegerBounds::from_dimensions(size)),
+        vec![part].into_iter().collect::<exr::image::Layers<_>>(),
+    );
+    image.attributes.chromaticities = Some(REC_709);
+    let mut bytes = Vec::new();
+    image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
+    Ok(with_sorted_attributes(bytes))
+}
+
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+fn described(provenance: &Provenance) -> [(Text, AttributeValue); 3] {
+    let samples = i32::try_from(provenance.samples_per_pixel).unwrap_or(i32::MAX);
+    let hash: String = provenance.scene_hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    let seed = provenance.seed.to_string();
+    [
+        (Text::from(SAMPLES_PER_PIXEL), AttributeValue::I32(samples)),
+        (Text::from(SEED), AttributeValue::Text(Text::from(seed.as_str()))),
+        (Text::from(SCENE_HASH), AttributeValue::Text(Text::from(hash.as_str()))),
+    ]
+}
+
+/// The file with the attributes of its header in the order of their names: the `exr` crate keeps
+/// its own ones in a hash map, whose order differs from run to run.
+fn with_sorted_attributes(mut file: Vec<u8>) -> Vec<u8> {
+    const FIRST: usize = 8; // magic number and version
+    let mut attributes = Vec::new();
+    let mut at = FIRST;
+    while let Some(length) = attribute_length(&file[at..]) {
+        attributes.push(file[at..at + length].to_vec());
+        at += length;
+    }
+    attributes.sort();
+    file[FIRST..at].copy_from_slice(&attributes.concat());
+    file
+}
+
+/// Bytes of the attribute at the start of `bytes` (name, type, size, value); `None` at the end of
+/// the header.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let name = bytes.iter().position(|&b| b == 0).filter(|&length| length > 0)? + 1;
+    let kind = bytes[name..].iter().position(|&b| b == 0)? + 1;
+    let size = bytes.get(name + kind..name + kind + 4)?;
+    let size = u32::from_le_bytes([size[0], size[1], size[2], size[3]]);
+    Some(name + kind + 4 + size as usize)
+}
+
+/// The layers that Snowgrain knows of the first part that has any channels.
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
+    let fault = |error: exr::error::Error| {
+        Fault::whole(format!("not a valid EXR file: {error}"), "make the picture again")
+    };
+    let headers = MetaData::read_from_buffered(bytes, false).map_err(fault)?.headers;
+    headers.iter().try_for_each(|header| check_header(header, bytes.len()))?;
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(fault)?;
+    let part = &image.layer_data;
+    let mut picture = empty_picture(&image.attributes, &part.attributes, part.size)?;
+    for channel in &part.channel_data.list {
+        let Some(layer) = Layer::from_name(&channel.name.to_string()) else { continue };
+        let values = channel.sample_data.values_as_f32().collect();
+        picture.set_layer(layer, values).map_err(|error| picture_fault(&error))?;
+    }
+    picture.provenance = provenance(&part.attributes);
+    Ok(picture)
+}
+
+/// Refuses claims that the file cannot hold: pixels, and chunks of at least a table entry (8
+/// bytes) and a head (8 bytes) each.
+fn check_header(header: &Header, file_bytes: usize) -> Result<(), Fault> {
+    let pixel_bytes = header.channels.bytes_per_pixel as u64;
+    let size = header.layer_size;
+    check_size(size.width() as u64, size.height() as u64, pixel_bytes, file_bytes)?;
+    if header.chunk_count > file_bytes / 16 {
+        let what = format!("the header claims {} blocks of pixels", header.chunk_count);
+        return Err(Fault::whole(what, "the file is cut off or damaged: make it again"));
+    }
+    Ok(())
+}
+
+/// The picture of the display window, of which the data window is known; of the data window alone
+/// where that leaves the display window.
+fn empty_picture(
+    image: &ImageAttributes,
+    part: &LayerAttributes,
+    size: Vec2<usize>,
+) -> Result<Picture, Fault> {
+    let unsigned = |x: i64| u32::try_from(x).ok();
+    let side = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
+    let (across, down) = (side(size.width()), side(size.height()));
+    let display = image.display_window;
+    let x0 = unsigned(i64::from(part.layer_position.x()) - i64::from(display.position.x()));
+    let y0 = unsigned(i64::from(part.layer_position.y()) - i64::from(display.position.y()));
+    let inside = x0.zip(y0).and_then(|(x0, y0)| {
+        let window = PixelRect::new(x0, y0, x0.checked_add(across)?, y0.checked_add(down)?);
+        Picture::new(side(display.size.width()), side(display.size.height()), window).ok()
+    });
+    match inside {
+        Some(picture) => Ok(picture),
+        None => Picture::new(across, down, PixelRect::new(0, 0, across, down))
+            .map_err(|error| picture_fault(&error)),
+    }
+}
+
+fn provenance(attributes: &LayerAttributes) -> Option<Provenance> {
+    let attribute = |name: &str| attributes.other.get(&Text::from(name));
+    let text = |name: &str| match attribute(name) {
+        Some(AttributeValue::Text(text)) => Some(text.to_string()),
+        _ => None,
+    };
+    let samples_per_pixel = match attribute(SAMPLES_PER_PIXEL)? {
+        AttributeValue::I32(samples) => u64::try_from(*samples).ok()?,
+        _ => return None,
+    };
+    let seed = text(SEED)?.parse().ok()?;
+    let hash = text(SCENE_HASH)?;
+    let digits = hash.as_bytes();
+    if digits.len() != 64 {
+        return None;
+    }
+    let mut scene_hash = [0; 32];
+    for (byte, pair) in scene_hash.iter_mut().zip(digits.chunks_exact(2)) {
+        *byte = u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()?;
+    }
+    Some(Provenance { scene_hash, seed, samples_per_pixel })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn picture() -> Picture {
+        let window = PixelRect::new(3, 2, 13, 42);
+        let mut picture = Picture::new(20, 50, window).unwrap();
+        for (k, layer) in Layer::ALL.into_iter().enumerate() {
+            let value = |i: u64| (i as f32).sqrt() * 1e3 + k as f32;
+            picture.set_layer(layer, (0..window.area()).map(value).collect()).unwrap();
+        }
+        picture.set_layer(Layer::Depth, vec![f32::INFINITY; 400]).unwrap();
+        let hash = std::array::from_fn(|i| i as u8 * 7);
+        picture.provenance =
+            Some(Provenance { scene_hash: hash, seed: u64::MAX, samples_per_pixel: 64 });
+        picture
+    }
+
+    #[test]
+    fn layers_windows_and_provenance_come_back_exactly() {
+        assert_eq!(decode(&encode(&picture()).unwrap()).unwrap(), picture());
+    }
+
+    #[test]
+    fn the_same_picture_gives_the_same_bytes() {
+        let first = encode(&picture()).unwrap();
+        for _ in 0..20 {
+            assert_eq!(encode(&picture()).unwrap(), first); // every hash map has another order
+        }
+    }
+
+    #[test]
+    fn a_picture_of_claimed_size_is_refused_by_arithmetic() {
+        let mut bytes = encode(&picture()).unwrap();
+        let name = b"dataWindow\0box2i\0\x10\0\0\0";
+        let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+        for (corner, value) in [0i32, 0, 59_999, 59_999].into_iter().enumerate() {
+            bytes[at + 4 * corner..][..4].copy_from_slice(&value.to_le_bytes());
+        }
+        let mut end = 8;
+        while let Some(length) = attribute_length(&bytes[end..]) {
+            end += length;
+        }
+        bytes.truncate(end + 50);
+        let error = decode(&bytes).unwrap_err().of(Path::new("a.exr")).to_string();
+        assert!(error.starts_with("a.exr: the picture claims 60000x60000 pixels"), "{error}");
+    }
+
+    proptest! {
+        #[test]
+        fn damaged_files_are_read_or_refused(
+            changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+            in_header in any::<bool>(),
+            cut in any::<prop::sample::Index>(),
+        ) {
+            let mut bytes = encode(&picture()).unwrap();
+            let reach = if in_header { 1000 } else { bytes.len() };
+            for (at, value) in changes {
+                bytes[at.index(reach)] = value;
+            }
+            let _ = decode(&bytes);
+            let _ = decode(&bytes[..cut.index(bytes.len())]);
+        }
+
+        #[test]
+        fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+            let _ = decode(&bytes);
+            let _ = decode(&[MAGIC, &[2, 0, 0, 0], &bytes].concat());
+        }
+    }
+}
