@@ -1,7 +1,7 @@
 //! First stage: from text to a [`SceneFile`].
 
 use super::document::SceneDocument;
-use super::source::SceneSource;
+use super::source::{SceneSource, printable};
 use super::{SceneError, keys, overrides};
 use serde::Deserialize;
 use std::io::Read as _;
@@ -10,6 +10,9 @@ use toml::de::DeTable;
 
 /// Longest scene file that is read, in bytes: large data stands in files of its own.
 pub const MAX_SCENE_BYTES: usize = 1 << 20;
+
+/// Longest message of the deserialiser that is passed on, in characters.
+const LONGEST_MESSAGE: usize = 200;
 
 /// The version of the format that this program reads.
 pub const SCENE_VERSION: u32 = 1;
@@ -145,7 +148,7 @@ fn check_version(table: &DeTable<'_>, source: &SceneSource) -> Result<(), SceneE
 fn bad_value(source: &SceneSource, known: &[keys::Key], error: &toml::de::Error) -> SceneError {
     let offset = error.span().map_or(0, |span| span.start);
     let key = source.key_at(offset).unwrap_or_default().to_owned();
-    let message = error.message().replace('\n', ", ");
+    let message = printable(error.message(), LONGEST_MESSAGE);
     // "invalid type: string "x", expected u32": the value is quoted already.
     let expected = match (message.starts_with("invalid"), message.rfind("expected ")) {
         (true, Some(at)) => message[at..].to_owned(),

@@ -105,10 +105,7 @@ impl SceneSource {
     pub(super) fn text_of(&self, span: Range<usize>) -> String {
         let text = self.text.get(span).unwrap_or_default();
         let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        if line.chars().count() <= LONGEST_QUOTE {
-            return line;
-        }
-        line.chars().take(LONGEST_QUOTE).chain("...".chars()).collect()
+        printable(&line, LONGEST_QUOTE)
     }
 
     /// Notes where every key stands and refuses those that no scene has or that are missing.
@@ -140,7 +137,7 @@ impl SceneSource {
             let Some(key) = keys::find(known, name) else {
                 return Err(KeyFault::Other(SceneError::UnknownKey {
                     place: self.place_of(at),
-                    key: printable(&format!("{prefix}{name}")),
+                    key: printable(&format!("{prefix}{name}"), LONGEST_QUOTE),
                     mend: keys::suggestion(known, prefix, name),
                 }));
             };
@@ -206,8 +203,12 @@ enum KeyFault {
     Other(SceneError),
 }
 
-/// A key that may hold anything, on one line.
-fn printable(key: &str) -> String {
-    let line: String = key.escape_debug().take(LONGEST_QUOTE + 1).collect();
-    if line.chars().count() > LONGEST_QUOTE { format!("{line}...") } else { line }
+/// Text that may hold anything, on one line of at most `longest` characters.
+pub(super) fn printable(text: &str, longest: usize) -> String {
+    let line: String =
+        text.chars().take(longest).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+    if text.chars().nth(longest).is_some() {
+        return line + "...";
+    }
+    line
 }

@@ -166,6 +166,29 @@ fn cubes_are_seen_by_the_camera_of_the_benchmark() {
     }
 }
 
+/// The object's extremes and 3 cm of snow on its top lie in the picture.
+#[test]
+fn snowy_objects_fit_into_their_pictures() {
+    let fits = |name: &str, point: DVec3| {
+        let [across, up] = in_picture(&builtin(name), point);
+        assert!(across.abs() < 1.0 && up.abs() < 1.0, "{name} {point} {across} {up}");
+    };
+    for name in ["snowy-sphere-thick", "snowy-sphere-thin"] {
+        for axis in DVec3::AXES {
+            fits(name, axis * 0.075);
+            fits(name, axis * -0.075);
+        }
+        fits(name, DVec3::Y * 0.105);
+    }
+    for name in ["snowy-teapot", "snowy-teapot-thin"] {
+        let [x0, z0, x1, z1] = deposit(&builtin(name)).area.unwrap();
+        for (x, z) in [(x0, z0), (x0, z1), (x1, z0), (x1, z1)] {
+            fits(name, DVec3::new(x, 0.0, z));
+        }
+        fits(name, DVec3::Y * 0.128);
+    }
+}
+
 #[test]
 fn a_furnace_has_white_walls_and_one_uniform_light() {
     let scene = furnace(builtin("snowy-teapot"));
@@ -258,7 +281,7 @@ fn check_ground(scene: &SceneDescription, stands: &Aabb) {
     assert!(in_picture(scene, DVec3::new(x1, 0.0, z0))[0] > 1.0);
     assert!(in_picture(scene, DVec3::new(0.0, 0.0, z1))[1] < -1.0);
     let far_edge = in_picture(scene, DVec3::new(0.0, 0.0, z0))[1];
-    assert!((-0.2..0.9).contains(&far_edge), "{far_edge}");
+    assert!((-0.4..0.9).contains(&far_edge), "{far_edge}");
 }
 
 #[test]

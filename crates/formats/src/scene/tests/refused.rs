@@ -150,6 +150,8 @@ fn values_of_a_wrong_type_say_what_is_expected() {
         instead("\"deposit\"", "\"deposi\"")
             .contains("snow.0.source = \"deposi\": unknown variant")
     );
+    let long = instead("\"deposit\"", &format!("\"\\u001b\\n{}\"", "x".repeat(100_000)));
+    assert!(long.len() < 1000 && !long.contains(['\u{1b}', '\n']), "{long}");
     assert!(in_snow("seed = 99999999999999999999999").contains("snow.0.seed"));
     assert!(
         in_snow("density = 1979-05-27").contains("snow.0.density = 1979-05-27: expected a number")
