@@ -67,21 +67,27 @@ impl Arc {
         self.center + (self.u * cos + self.v * sin) * self.radius
     }
 
-    /// First angle in [0, 2 pi) at which a sphere of the rolling kind comes within `reach` of
-    /// `other`; `None` where it never does or is leaving it.
+    /// Centre and radius of a ball that holds the arc up to `angle`, at most pi.
+    fn ball_around(&self, angle: f64) -> (DVec3, f64) {
+        (self.at(0.5 * angle), 2.0 * self.radius * trig::sin_cos(0.25 * angle).0 + 1.0)
+    }
+
+    /// First angle in [0, 2 pi) at which the centre comes within `reach` of `other`, which it is
+    /// not within at the start but for rounding; `None` where it never does.
     fn meets(&self, other: DVec3, reach: f64) -> Option<f64> {
         let d = other - self.center;
         let (p, q) = (d.dot(self.u), d.dot(self.v));
         let k =
             (self.radius * self.radius + d.length_squared() - reach * reach) / (2.0 * self.radius);
         let amplitude = (p * p + q * q).sqrt();
-        if k >= amplitude {
+        if k.abs() >= amplitude {
             return None;
         }
-        if p >= k - TOUCH_MARGIN {
-            // It touches already: a contact only if the motion leads into it.
-            return (q > SPEED_MARGIN * amplitude).then_some(0.0);
+        if p >= k - TOUCH_MARGIN && q > SPEED_MARGIN * amplitude {
+            // It touches already, and the motion leads into it.
+            return Some(0.0);
         }
+        // What it touches and leaves may be met again, from the other side, further along.
         let entry = trig::atan2(q, p) - trig::acos(k / amplitude);
         Some(if entry < 0.0 { entry + core::f64::consts::TAU } else { entry })
     }
@@ -151,6 +157,7 @@ impl<'a> Roller<'a> {
     /// Drops a sphere of `radius` quanta along x, z and follows it to its rest.
     pub(super) fn settle(&mut self, stacks: &GrainStacks, [x, z]: [f64; 2], radius: f64) -> Rest {
         self.contacts.clear();
+        self.ignored.clear();
         let mut at = DVec3::new(x, f64::INFINITY, z);
         for _ in 0..MOST_TURNS {
             match self.motion(at) {
@@ -276,9 +283,9 @@ impl<'a> Roller<'a> {
         radius: f64,
     ) -> (f64, End) {
         let (mut angle, mut end) = self.release(arc, over);
-        let reach = arc.radius + radius;
+        let (middle, half_width) = arc.ball_around(angle);
         self.neighbours.clear();
-        stacks.near(arc.center, reach, &mut self.neighbours);
+        stacks.near(middle, half_width + radius, &mut self.neighbours);
         for &(slot, grain) in &self.neighbours {
             let other = center(grain);
             let rolled_over =
@@ -328,7 +335,8 @@ impl<'a> Roller<'a> {
             let angle = angle.rem_euclid(core::f64::consts::TAU);
             return (angle <= until).then_some(angle);
         }
-        if !self.ground.surface_within(arc.center, arc.radius + radius, &mut self.surfaces) {
+        let (middle, half_width) = arc.ball_around(until);
+        if !self.ground.surface_within(middle, half_width + radius, &mut self.surfaces) {
             return None;
         }
         // Solid surfaces have no closed form: short steps, then bisection to within a quantum.

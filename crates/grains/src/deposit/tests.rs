@@ -3,7 +3,8 @@ use crate::measures::{
     Slab, connections, mean_surface_height, nominal_solid_fraction, union_solid_fraction,
 };
 use crate::{DepositRule, ICE_DENSITY, Radii};
-use snowgrain_math::DVec3;
+use snowgrain_accel::SurfaceShape;
+use snowgrain_math::{DAffine3, DVec3};
 
 const R: f64 = 0.5e-3;
 
@@ -167,20 +168,11 @@ fn later_snow_falls_on_earlier_snow() {
 }
 
 #[test]
-fn snow_falls_on_a_lattice_and_beside_it_nothing_comes_to_rest() {
+fn snow_without_an_area_needs_something_finite_to_fall_on() {
     let nothing = Surfaces::default();
     let mut snow = Snowfall::on_surfaces(quantisation(R), &nothing);
     let missing = snow.deposit(&settings(DepositRule::Stick, Amount::Grains(1)));
     assert!(matches!(missing, Err(GrainsError::Setting { key: "area", .. })), "{missing:?}");
-    let cube = LatticeSettings {
-        kind: crate::LatticeKind::Sc,
-        counts: [10, 2, 10],
-        radius: R,
-        spacing: None,
-        density: None,
-    };
-    snow.lattice(&cube).unwrap();
-    assert_eq!(snow.len(), 200);
 }
 
 #[test]
@@ -237,4 +229,98 @@ fn overlaps_are_ice_once_in_the_union_and_twice_in_the_sum() {
     let nominal = nominal_solid_fraction(&pile.0, &slab);
     // PHYSICS: .515 against .447.
     assert!((nominal / union - 0.515 / 0.447).abs() < 0.03, "{nominal} {union}");
+}
+
+/// A ball of 20 grain radii on the plane y = 0, or in empty space.
+fn ball(on_plane: bool) -> Surfaces {
+    let mut place = DAffine3::from_scale(DVec3::splat(20.0 * R));
+    place.translation = DVec3::Y * (20.0 * R);
+    let mut objects = vec![(SurfaceShape::Sphere, place)];
+    if on_plane {
+        objects.push((SurfaceShape::Plane, DAffine3::IDENTITY));
+    }
+    Surfaces::new(&objects)
+}
+
+#[test]
+fn no_grain_lies_inside_an_object_or_overlaps_it_under_any_rule() {
+    for rule in [DepositRule::Ray, DepositRule::Stick, DepositRule::Roll] {
+        let surfaces = ball(true);
+        let mut snow = Snowfall::on_surfaces(quantisation(R), &surfaces);
+        let wanted = DepositSettings {
+            area: Some([-30.0 * R, -30.0 * R, 30.0 * R, 30.0 * R]),
+            ..settings(rule, Amount::Grains(6_000))
+        };
+        let report = snow.deposit(&wanted).unwrap();
+        assert_eq!(report.accepted, 6_000);
+        let field = snow.into_field();
+        let margin = 2.0 * field.quantisation.quantum();
+        let mut on_ball = 0;
+        for grain in field.iter() {
+            let gap = (grain.center - DVec3::Y * (20.0 * R)).length() - 20.0 * R - grain.radius;
+            // The paper's grain may reach from a hit on a neighbour's side into something else.
+            let allowed = if rule == DepositRule::Ray { -2.0 * grain.radius } else { -margin };
+            assert!(gap >= allowed && grain.center.y - grain.radius >= allowed, "{rule:?} {gap}");
+            on_ball += u32::from(gap.abs() < margin);
+        }
+        assert!(on_ball > 100, "{rule:?}: {on_ball}");
+    }
+}
+
+#[test]
+fn snow_of_a_given_depth_is_that_deep_beside_and_on_an_object() {
+    let surfaces = ball(true);
+    let mut snow = Snowfall::on_surfaces(quantisation(R), &surfaces);
+    let wanted = DepositSettings {
+        area: Some([-60.0 * R, -60.0 * R, 60.0 * R, 60.0 * R]),
+        max_slope_degrees: 70.0,
+        ..settings(DepositRule::Roll, Amount::Depth(12.0 * R))
+    };
+    snow.deposit(&wanted).unwrap();
+    let field = snow.into_field();
+    // Highest tops within squares of 10 R: more than the mean, by some grains.
+    let top = |x: f64, z: f64| {
+        let above = |g: &snowgrain_geometry::Grain| {
+            (g.center.x - x).abs() < 5.0 * R && (g.center.z - z).abs() < 5.0 * R
+        };
+        field.iter().filter(above).map(|g| (g.center.y + g.radius) / R).fold(0.0, f64::max)
+    };
+    assert!((12.0..18.0).contains(&top(45.0 * R, 45.0 * R)), "{}", top(45.0 * R, 45.0 * R));
+    assert!((47.0..58.0).contains(&top(0.0, 0.0)), "{}", top(0.0, 0.0));
+}
+
+#[test]
+fn without_a_floor_grains_miss_and_where_nothing_can_rest_the_snowfall_ends() {
+    let surfaces = ball(false);
+    let mut snow = Snowfall::on_surfaces(quantisation(R), &surfaces);
+    let wanted = settings(DepositRule::Ray, Amount::Grains(2_000));
+    let report = snow.deposit(&wanted).unwrap();
+    // The default area is 44 R wide; the first grains' discs hardly widen the ball's.
+    assert!(report.missed > 300, "{report:?}");
+    let beside = DepositSettings {
+        area: Some([100.0 * R, 100.0 * R, 130.0 * R, 130.0 * R]),
+        ..wanted.clone()
+    };
+    let error = snow.deposit(&beside).unwrap_err();
+    assert!(matches!(error, GrainsError::NothingComesToRest { accepted: 0, .. }), "{error}");
+    let deep = DepositSettings { amount: Amount::Depth(R), ..beside };
+    let error = snow.deposit(&deep).unwrap_err();
+    assert!(matches!(error, GrainsError::Setting { key: "depth", .. }), "{error}");
+    assert_eq!(snow.len(), 2_000);
+}
+
+#[test]
+fn grains_fall_on_a_lattice() {
+    let nothing = Surfaces::default();
+    let mut snow = Snowfall::on_surfaces(quantisation(R), &nothing);
+    let kind = crate::LatticeKind::Sc;
+    let counts = [10, 2, 10];
+    snow.lattice(&LatticeSettings { kind, counts, radius: R, spacing: None, density: None })
+        .unwrap();
+    let report = snow.deposit(&settings(DepositRule::Stick, Amount::Grains(300))).unwrap();
+    assert!(report.missed > 0);
+    let field = snow.into_field();
+    assert_eq!(field.len(), 500);
+    assert_eq!(connections(&field, None, &|_| false).overlaps_per_grain, 0.0);
+    assert!(field.iter().filter(|g| g.center.y > 4.0 * R).count() > 280);
 }
