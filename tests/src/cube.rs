@@ -91,7 +91,7 @@ impl LatticeCube {
             let [_, u1, u2] = numbers(key, 1).map(f64::from);
             let face = (face * 6.0) as usize;
             let axis = face / 2;
-            let lower = face % 2 == 0;
+            let lower = face.is_multiple_of(2);
             let mut inward = DVec3::ZERO;
             inward[axis] = if lower { 1.0 } else { -1.0 };
             let mut origin = DVec3::ZERO;
