@@ -6,5 +6,6 @@
 pub mod grain_stacks;
 pub mod surfaces;
 
+pub use fearless_simd::Level as SimdLevel;
 pub use grain_stacks::{Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle};
 pub use surfaces::{SphereContact, SurfaceHit, SurfaceId, SurfaceShape, Surfaces};

@@ -115,10 +115,11 @@ pub fn lattice_grains(
         let reason = format!("make {full} grains, but at most {MOST_GRAINS} can be stored");
         return Err(GrainsError::setting("counts", reason));
     }
+    let counts = cell.counts.map(u32::cast_signed);
     let mut grains = Vec::with_capacity(full as usize);
-    for k in 0..cell.counts[2] as i32 {
-        for j in 0..cell.counts[1] as i32 {
-            for i in 0..cell.counts[0] as i32 {
+    for k in 0..counts[2] {
+        for j in 0..counts[1] {
+            for i in 0..counts[0] {
                 for basis in &cell.basis {
                     let at = |axis: usize, n: i32| n * cell.side_quanta[axis] + basis[axis];
                     let center = [at(0, i), at(1, j), at(2, k)];
@@ -256,7 +257,8 @@ mod tests {
 
     #[test]
     fn neighbours_and_solid_fractions_are_those_of_the_crystals() {
-        let expected = [(6.0, 0.5236), (8.0, 0.6802), (12.0, 0.7405), (12.0, 0.7405)];
+        let expected =
+            [(6.0, core::f64::consts::FRAC_PI_6), (8.0, 0.6802), (12.0, 0.7405), (12.0, 0.7405)];
         for (kind, (neighbours, fraction)) in KINDS.into_iter().zip(expected) {
             let settings = settings(kind, [12, 10, 11]);
             let cell = LatticeCell::new(&settings, &quantisation()).unwrap();

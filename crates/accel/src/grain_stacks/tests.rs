@@ -10,7 +10,7 @@ fn words(seed: u64, index: u64) -> [u32; 3] {
 }
 
 fn below(word: u32, bound: i32) -> i32 {
-    (u64::from(word) * bound as u64 >> 32) as i32
+    ((u64::from(word) * bound as u64) >> 32) as i32
 }
 
 /// Grains of mixed radii scattered through a box of `width` x `height`, from `corner`.

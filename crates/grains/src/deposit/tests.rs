@@ -109,7 +109,7 @@ fn radii_are_uniform_around_their_mean_up_to_the_mean_itself() {
 }
 
 #[test]
-fn the_same_settings_give_the_same_grains_and_another_seed_others() {
+fn the_same_settings_give_the_same_grains_at_any_simd_level_and_another_seed_others() {
     for rule in [DepositRule::Ray, DepositRule::Stick, DepositRule::Roll] {
         let again = || pile(rule, 40.0, 3_000).0;
         assert_eq!(again(), again());
@@ -117,6 +117,11 @@ fn the_same_settings_give_the_same_grains_and_another_seed_others() {
         let amount = Amount::Grains(3_000);
         other.deposit(&DepositSettings { seed: 4, ..settings(rule, amount) }).unwrap();
         assert_ne!(other.into_field(), again());
+        let mut baseline = Snowfall::on_level_floor(quantisation(R), [40.0 * R; 2])
+            .unwrap()
+            .with_simd_level(SimdLevel::baseline());
+        baseline.deposit(&settings(rule, amount)).unwrap();
+        assert_eq!(baseline.into_field(), again());
     }
 }
 
