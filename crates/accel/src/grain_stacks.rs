@@ -16,6 +16,7 @@ mod near;
 #[cfg(test)]
 mod tests;
 
+use crate::SimdLevel;
 use block::{Block, GRAINS_PER_BLOCK, NO_BLOCK};
 use fearless_simd::Level;
 use snowgrain_geometry::QuantisedGrain;
@@ -157,8 +158,11 @@ impl GrainStacks {
     }
 
     /// Uses this SIMD level instead of the best one; answers do not change.
-    pub fn set_level(&mut self, level: Level) {
-        self.level = level;
+    ///
+    /// # Panics
+    /// If the machine does not have it.
+    pub fn set_level(&mut self, level: SimdLevel) {
+        self.level = level.token().expect("the SIMD level was checked when it was chosen");
     }
 
     /// Number of grains.

@@ -5,7 +5,7 @@
 
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::measures::mean_surface_height;
-use snowgrain_grains::{Amount, DepositRule, DepositSettings, PackReport, Radii, Snowfall};
+use snowgrain_grains::{Amount, DepositRule, DepositSettings, Extent, PackReport, Radii, Snowfall};
 use snowgrain_math::DVec3;
 use std::time::Instant;
 
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     let seconds = start.elapsed().as_secs_f64();
     let bytes = snow.bytes() as f64 / grains as f64;
-    let period = snow.period();
+    let period = snow.period().ok_or("a level floor repeats")?;
     let field = snow.into_field();
     println!(
         "{rule:?}: {report:?}, {:.2} M grains/s, {bytes:.1} B/grain",
@@ -44,8 +44,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let floor = radius * (1.0 + 1e-3);
     let start = Instant::now();
-    let pack = PackReport::of(&field, period, &|grain| grain.center.y <= floor);
-    let depth = period.map_or(0.0, |period| mean_surface_height(&field, period));
+    let pack = PackReport::of(&field, Extent::Periodic(period), &|grain| grain.center.y <= floor);
+    let depth = mean_surface_height(&field, period);
     println!("{:.1} r deep: {pack}", depth / radius);
     println!("measured in {:.2} s", start.elapsed().as_secs_f64());
     Ok(())

@@ -31,7 +31,7 @@ use ground::Ground;
 use rules::{Drop, Fate};
 
 pub use fill::reached_solid_fraction;
-use snowgrain_accel::{GrainStacks, PlanRectangle, Surfaces};
+use snowgrain_accel::{GrainStacks, PlanRectangle, SimdLevel, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 
 /// Drops in a row without a grain that lies, after which a snowfall gives up.
@@ -61,6 +61,7 @@ pub struct Snowfall<'a> {
     /// Grains placed since the last deposit.
     placed: Vec<QuantisedGrain>,
     snowfalls: u64,
+    simd_level: SimdLevel,
 }
 
 impl<'a> Snowfall<'a> {
@@ -85,7 +86,21 @@ impl<'a> Snowfall<'a> {
     }
 
     fn on(quantisation: Quantisation, ground: Ground<'a>) -> Self {
-        Self { quantisation, ground, stacks: None, placed: Vec::new(), snowfalls: 0 }
+        Self {
+            quantisation,
+            ground,
+            stacks: None,
+            placed: Vec::new(),
+            snowfalls: 0,
+            simd_level: SimdLevel::detect(),
+        }
+    }
+
+    /// Uses this SIMD level instead of the best one; the grains do not change.
+    #[must_use]
+    pub fn with_simd_level(mut self, level: SimdLevel) -> Self {
+        self.simd_level = level;
+        self
     }
 
     /// Periods along x and z, metres, where the plan repeats.
@@ -193,7 +208,7 @@ impl<'a> Snowfall<'a> {
         let mut quanta = [0i32; 4];
         for (index, value) in rectangle.into_iter().enumerate() {
             let at = (value - if index % 2 == 0 { origin.x } else { origin.z }) / quantum;
-            if !(at.abs() <= reach) {
+            if !at.is_finite() || at.abs() > reach {
                 let limit = reach * quantum;
                 return Err(GrainsError::setting(
                     "area",
@@ -259,6 +274,7 @@ impl<'a> Snowfall<'a> {
             self.stacks = Some(self.ground.new_stacks(plan, side)?);
         }
         let Some(stacks) = &mut self.stacks else { return Ok(()) };
+        stacks.set_level(self.simd_level);
         stacks.cover(plan)?;
         for grain in std::mem::take(&mut self.placed) {
             stacks.push(grain)?;

@@ -227,7 +227,7 @@ fn cell(kind: LatticeKind, spacing: f64) -> ([i32; 3], Vec<[i32; 3]>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PackReport;
+    use crate::{Extent, PackReport};
     use snowgrain_math::DVec3;
 
     const KINDS: [LatticeKind; 4] =
@@ -260,17 +260,21 @@ mod tests {
 
     #[test]
     fn neighbours_and_solid_fractions_are_those_of_the_crystals() {
-        let expected = [(6.0, 0.5236), (8.0, 0.6802), (12.0, 0.7405), (12.0, 0.7405)];
+        let expected =
+            [(6.0, core::f64::consts::FRAC_PI_6), (8.0, 0.6802), (12.0, 0.7405), (12.0, 0.7405)];
         for (kind, (neighbours, fraction)) in KINDS.into_iter().zip(expected) {
-            let settings = settings(kind, [6, 5, 7]);
+            let settings = settings(kind, [12, 10, 11]);
             let cell = LatticeCell::new(&settings, &quantisation()).unwrap();
             let field = lattice_grains(&settings, &quantisation()).unwrap();
             assert!((cell.solid_fraction() - fraction).abs() < 4e-4, "{kind:?}");
             assert_eq!(field.len() as u64, settings.full_count());
             assert_eq!(inner_neighbours(&field, &cell), neighbours, "{kind:?}");
-            let report = PackReport::of(&field, None, &|_| false);
+            let report = PackReport::of(&field, Extent::Block, &|_| false);
             assert_eq!(report.overlaps_per_grain, 0.0, "{kind:?}");
             assert_eq!(report.connected_fraction, 1.0);
+            let measured = report.union_solid_fraction;
+            let error = (measured.mean - fraction).abs();
+            assert!(error < 0.06, "{kind:?} {measured:?}");
             let bounds = field.bounds();
             assert!(bounds.min.abs().max_element() <= 1.01 * field.quantisation.quantum());
         }

@@ -33,7 +33,7 @@ pub use deposit::{DepositReport, Snowfall, reached_solid_fraction};
 pub use error::GrainsError;
 pub use field::GrainField;
 pub use lattice::{LatticeCell, lattice_grains};
-pub use measures::{PackReport, Slab};
+pub use measures::{Extent, PackReport, Slab};
 pub use settings::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeKind, LatticeSettings, Radii,
 };

@@ -10,7 +10,7 @@ fn words(seed: u64, index: u64) -> [u32; 3] {
 }
 
 fn below(word: u32, bound: i32) -> i32 {
-    (u64::from(word) * bound as u64 >> 32) as i32
+    ((u64::from(word) * bound as u64) >> 32) as i32
 }
 
 /// Grains of mixed radii scattered through a box of `width` x `height`, from `corner`.
@@ -69,7 +69,7 @@ fn compare_with_brute_force(
         stacks.push(grain).unwrap();
     }
     let period = stacks.period();
-    for level in [Level::baseline(), Level::new()] {
+    for level in SimdLevel::available() {
         stacks.set_level(level);
         for i in 0..400 {
             let [a, b, c] = words(2, i);

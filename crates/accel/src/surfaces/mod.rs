@@ -15,6 +15,7 @@ mod tests;
 mod traverse;
 mod triangle;
 
+use crate::SimdLevel;
 use bvh::Bvh;
 use contact::{Drop, Touch};
 use fearless_simd::Level;
@@ -128,9 +129,12 @@ impl Surfaces {
     }
 
     /// The same surfaces, searched with the instructions of `level` (same results).
+    ///
+    /// # Panics
+    /// If the machine does not have it.
     #[must_use]
-    pub fn with_level(mut self, level: Level) -> Self {
-        self.level = level;
+    pub fn with_level(mut self, level: SimdLevel) -> Self {
+        self.level = level.token().expect("the SIMD level was checked when it was chosen");
         self
     }
 

@@ -145,7 +145,7 @@ impl<'a> Drop<'a> {
     /// The grain at whole quanta, if the lattice reaches that far.
     fn rounded(&self, at: DVec3, radius: u16) -> Result<QuantisedGrain, GrainsError> {
         let reach = f64::from(Quantisation::MAX_COORDINATE);
-        if !(at.abs().max_element() <= reach) {
+        if !at.is_finite() || at.abs().max_element() > reach {
             let quantum = self.quantisation.quantum();
             let DVec3 { x, y, z } = self.quantisation.origin() + at * quantum;
             let reach = reach * quantum;

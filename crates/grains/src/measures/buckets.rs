@@ -39,19 +39,17 @@ impl Buckets {
 
     /// Cubes of a grain's diameter, or larger where those would outnumber the grains by far.
     fn choose_cubes(&mut self, field: &GrainField) {
-        let mut high = [1.0f64; 3];
-        for axis in 0..3 {
+        let high = [0, 1, 2].map(|axis| {
             if self.period[axis] > 0 {
-                high[axis] = self.period[axis] as f64;
-                continue;
+                return self.period[axis] as f64;
+            }
+            if field.is_empty() {
+                return 1.0;
             }
             let coordinates = || field.grains.iter().map(|g| f64::from(g.center[axis]));
             self.low[axis] = coordinates().fold(f64::INFINITY, f64::min);
-            high[axis] = coordinates().fold(f64::NEG_INFINITY, f64::max) + 1.0;
-            if field.is_empty() {
-                (self.low[axis], high[axis]) = (0.0, 1.0);
-            }
-        }
+            coordinates().fold(f64::NEG_INFINITY, f64::max) + 1.0
+        });
         let most = 4.0 * field.len() as f64 + 64.0;
         let mut side = 2.0 * f64::from(field.largest_radius_quanta()) + SLACK;
         loop {

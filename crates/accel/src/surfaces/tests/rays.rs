@@ -31,15 +31,6 @@ fn brute_force(
 
 #[test]
 fn rays_find_what_brute_force_finds_at_every_simd_level() {
-    let best = Level::new();
-    #[cfg(target_arch = "x86_64")]
-    let levels = {
-        let baseline = best.as_sse2().map(Level::Sse2);
-        let avx2 = best.as_avx2().map(Level::Avx2);
-        [Some(best), baseline, avx2]
-    };
-    #[cfg(not(target_arch = "x86_64"))]
-    let levels = [Some(best)];
     let mut hits = 0;
     for scene in 0..12 {
         let mut random = Random::new(scene);
@@ -49,7 +40,7 @@ fn rays_find_what_brute_force_finds_at_every_simd_level() {
         } else {
             everything(&mut random, origin)
         };
-        for level in levels.into_iter().flatten() {
+        for level in SimdLevel::available() {
             surfaces = surfaces.with_level(level);
             let mut random = Random::new(100 + scene);
             let mut exclude = None;
