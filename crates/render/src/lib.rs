@@ -5,6 +5,7 @@
 pub mod camera;
 pub mod description;
 mod error;
+mod estimate;
 pub mod light;
 pub mod measure;
 mod render;
@@ -15,6 +16,7 @@ pub mod transport;
 pub mod world;
 
 pub use error::RenderError;
+pub use estimate::CostEstimate;
 pub use render::{RenderControl, RenderSettings, Rendered, render};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, surfaces_of};
 pub use statistics::Statistics;
