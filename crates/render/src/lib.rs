@@ -5,6 +5,7 @@
 pub mod camera;
 pub mod description;
 mod error;
+mod estimate;
 pub mod light;
 pub mod measure;
 mod render;
@@ -15,8 +16,10 @@ pub mod transport;
 pub mod world;
 
 pub use error::RenderError;
+pub use estimate::CostEstimate;
 pub use render::{RenderControl, RenderSettings, Rendered, render};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, surfaces_of};
+pub use snowgrain_accel::SimdLevel;
 pub use snowgrain_accel::SimdLevel;
 pub use statistics::Statistics;
 pub use world::World;

@@ -1,0 +1,196 @@
+//! The command line as typed.
+
+mod values;
+
+use clap::{Args, Parser, Subcommand};
+use snowgrain_accel::SimdLevel;
+use snowgrain_film::PixelRect;
+use snowgrain_formats::scene::{MeshUnits, UpAxis};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+pub(crate) use values::{PictureFile, PictureFormat, Size};
+
+/// Snowgrain renders snow that is made of real, discrete grains of ice.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    propagate_version = true,
+    after_help = "Examples:\n  \
+        snowgrain render snowy-teapot -o teapot.png      a built-in scene\n  \
+        snowgrain render model.obj -o model.png          your own model in the snow\n  \
+        snowgrain scenes snowy-teapot --print > my.toml  a scene to start from\n\n\
+        Exit codes: 0 done, 2 usage, 65 bad input, 66 input missing, 69 refused (memory, limits), \
+        70 fault of the program, 73 cannot create output, 74 I/O error or disk full, \
+        130/143 stopped by a signal."
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Render(RenderArguments),
+    Scenes(ScenesArguments),
+    /// Prints the JSON Schema of scene files, for editors.
+    #[command(after_help = "Example:\n  snowgrain schema > scene.schema.json")]
+    Schema,
+}
+
+/// Renders a scene.
+///
+/// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
+/// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    snowgrain render snowy-teapot -o teapot.png\n  \
+    snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \
+    snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
+    snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
+    snowgrain render scene.toml --dry-run\n\n\
+    The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
+pub(crate) struct RenderArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+
+    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit; refreshed while it
+    /// renders), .exr (scene-linear, all layers) or .film (the exact sums)
+    #[arg(short, long, value_name = "FILE", required_unless_present = "dry_run")]
+    pub(crate) output: Vec<PictureFile>,
+
+    /// Samples per pixel, instead of the scene's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) spp: Option<u32>,
+
+    /// Seed of the random numbers of light, instead of the scene's
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// Size of the picture in pixels, instead of the scene's
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<Size>,
+
+    /// Renders only these pixels: columns x0 to x1 - 1, rows y0 to y1 - 1
+    #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop)]
+    pub(crate) crop: Option<PixelRect>,
+
+    /// Brightness of PNG files in stops: +1 doubles it
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
+          value_parser = values::finite)]
+    pub(crate) exposure: f64,
+
+    /// Stops after the pass over the picture that exceeds this time, counted from the start
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    pub(crate) time_limit: Option<Duration>,
+
+    /// Albedos 1, no absorption, uniform light of radiance 1: every pixel must be exactly 1
+    #[arg(long)]
+    pub(crate) furnace: bool,
+
+    /// Estimates grains, memory and time; nothing is made or traced
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+
+    #[command(flatten)]
+    pub(crate) report: ReportArguments,
+}
+
+/// Which scene, and how it is changed.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArguments {
+    /// Built-in scene, scene file (.toml) or mesh (.obj, .ply)
+    pub(crate) scene: PathBuf,
+
+    /// Changes a key of the scene, as snow.0.radius=0.3mm, or snow.radius=0.3mm where there is one
+    /// snow; repeatable
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) overrides: Vec<String>,
+
+    /// Unit of a mesh file given as SCENE: mm, cm, m or in
+    #[arg(long, value_name = "UNIT", value_parser = values::units)]
+    pub(crate) units: Option<MeshUnits>,
+
+    /// Up axis of a mesh file given as SCENE: y or z
+    #[arg(long, value_name = "AXIS", value_parser = values::up_axis)]
+    pub(crate) up: Option<UpAxis>,
+
+    /// Longest side of a mesh given as SCENE, as 20cm
+    #[arg(long, value_name = "LENGTH", value_parser = values::length)]
+    pub(crate) object_size: Option<f64>,
+}
+
+/// What of the machine may be used.
+#[derive(Debug, Args)]
+pub(crate) struct MachineArguments {
+    /// Threads; the picture does not depend on them [default: all processors]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+
+    /// Instruction set: sse2, sse4.2, avx2, avx512 or neon; the picture does not depend on it
+    /// [default: the best]
+    #[arg(long, value_name = "LEVEL")]
+    pub(crate) simd: Option<SimdLevel>,
+
+    /// Refuses scenes that would need more memory than this, as 4GiB [default: what is free]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+/// What is told of the work.
+#[derive(Debug, Args)]
+pub(crate) struct ReportArguments {
+    /// Writes the figures of the run as JSON
+    #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
+    pub(crate) json_stats: Option<PathBuf>,
+
+    /// Tells nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+
+    /// Tells more
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
+}
+
+/// Lists the built-in scenes, or prints one to start from.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    snowgrain scenes\n  \
+    snowgrain scenes snowy-teapot --print > my.toml")]
+pub(crate) struct ScenesArguments {
+    /// Name of a built-in scene
+    #[arg(requires = "print")]
+    pub(crate) name: Option<String>,
+
+    /// Prints the scene file
+    #[arg(long, requires = "name")]
+    pub(crate) print: bool,
+}
+
+/// Prints what clap has to say: help on standard output, a misuse in one line.
+pub(crate) fn answer(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // A reader that has seen enough (`--help | head`) is no failure.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let _ = error.print();
+        return ExitCode::from(crate::failure::exit::USAGE);
+    }
+    let text = error.to_string();
+    let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+    let said: Vec<_> = lines
+        .filter(|line| !line.is_empty() && !line.starts_with("For more information"))
+        .collect();
+    let message = said.join(" ");
+    let message = message.strip_prefix("error: ").unwrap_or(&message);
+    let failure = crate::failure::Failure::usage(format!("{message}; --help says more"));
+    eprintln!("{failure}");
+    ExitCode::from(failure.code)
+}

@@ -1,0 +1,175 @@
+//! Values on the command line that have a form of their own.
+
+use snowgrain_film::PixelRect;
+use snowgrain_formats::scene::{Length, MeshUnits, UpAxis};
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Pixels across and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+/// Most pixels along an edge.
+const LARGEST_EDGE: u32 = 65_536;
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let edge = |text: &str| {
+            text.parse().ok().filter(|edge| (1..=LARGEST_EDGE).contains(edge)).ok_or_else(|| {
+                format!("write WIDTHxHEIGHT, as 1024x768, each 1 to {LARGEST_EDGE} pixels")
+            })
+        };
+        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, ""));
+        Ok(Self { width: edge(width)?, height: edge(height)? })
+    }
+}
+
+/// A picture to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PictureFile {
+    pub(crate) path: PathBuf,
+    pub(crate) format: PictureFormat,
+}
+
+/// Formats of pictures, by the extension of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PictureFormat {
+    Png,
+    Exr,
+    Film,
+}
+
+impl FromStr for PictureFile {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let path = PathBuf::from(text);
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        let format = match extension.as_deref() {
+            Some("png") => PictureFormat::Png,
+            Some("exr") => PictureFormat::Exr,
+            Some("film") => PictureFormat::Film,
+            _ => return Err("the name must end in .png, .exr or .film".into()),
+        };
+        Ok(Self { path, format })
+    }
+}
+
+/// Pixels `x0,y0,x1,y1`, half-open.
+pub(super) fn crop(text: &str) -> Result<PixelRect, String> {
+    let mend = || "write x0,y0,x1,y1 in pixels, with x0 < x1 and y0 < y1".to_owned();
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(PixelRect::new(x0, y0, x1, y1)),
+        _ => Err(mend()),
+    }
+}
+
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
+    if number.is_finite() { Ok(number) } else { Err("write a finite number".into()) }
+}
+
+/// Bytes: `4GiB`, `500 MB`, `1048576`.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 9] = [
+        ("KiB", 1024.0),
+        ("MiB", 1_048_576.0),
+        ("GiB", 1_073_741_824.0),
+        ("TiB", 1_099_511_627_776.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+        ("B", 1.0),
+    ];
+    let with_unit = UNITS.iter().find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, scale)));
+    let (number, scale) = with_unit.unwrap_or((text, &1.0));
+    match number.trim().parse::<f64>() {
+        Ok(number) if number * scale >= 1.0 && number * scale < 1e18 => Ok((number * scale) as u64),
+        _ => Err("write a size, as 4GiB or 500MB".into()),
+    }
+}
+
+/// A time: `90s`, `5min`, `1.5h`, `500ms`.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    const UNITS: [(&str, f64); 5] =
+        [("ms", 1e-3), ("min", 60.0), ("h", 3600.0), ("m", 60.0), ("s", 1.0)];
+    let with_unit = UNITS.iter().find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, scale)));
+    match with_unit.map(|(number, scale)| (number.trim().parse::<f64>(), scale)) {
+        Some((Ok(number), scale)) if number * scale > 0.0 && number * scale < 1e9 => {
+            Ok(Duration::from_secs_f64(number * scale))
+        }
+        _ => Err("write a time with its unit, as 90s, 5min or 1.5h".into()),
+    }
+}
+
+/// A length above 0 in metres: `20cm`, `0.2`.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    let metres = match text.trim().parse::<f64>() {
+        Ok(metres) => metres,
+        Err(_) => Length::parse(text)?.metres,
+    };
+    if metres > 0.0 && metres.is_finite() {
+        Ok(metres)
+    } else {
+        Err("write a length above 0, as 20cm".into())
+    }
+}
+
+/// A unit of length of mesh files.
+pub(super) fn units(name: &str) -> Result<MeshUnits, String> {
+    MeshUnits::from_name(name).ok_or_else(|| "write mm, cm, m or in".into())
+}
+
+/// An up axis of mesh files.
+pub(super) fn up_axis(name: &str) -> Result<UpAxis, String> {
+    UpAxis::from_name(name).ok_or_else(|| "write y or z".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_crops_and_files_are_read() {
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
+        for bad in ["640", "0x4", "4x", "-1x4", "4x65537", "4x4x4"] {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+        assert_eq!(crop("1,2,3,4"), Ok(PixelRect::new(1, 2, 3, 4)));
+        for bad in ["1,2,3", "3,2,1,4", "1,2,3,4,5", "a,2,3,4", "1,2,1,4"] {
+            assert!(crop(bad).is_err(), "{bad}");
+        }
+        let file: PictureFile = "a.b/c.EXR".parse().unwrap();
+        assert_eq!(file.format, PictureFormat::Exr);
+        assert!("a.jpg".parse::<PictureFile>().is_err() && "png".parse::<PictureFile>().is_err());
+    }
+
+    #[test]
+    fn amounts_are_read_with_their_units() {
+        assert_eq!(bytes("4GiB"), Ok(4 << 30));
+        assert_eq!(bytes("1.5 kB"), Ok(1500));
+        assert_eq!(bytes("77"), Ok(77));
+        for bad in ["", "GiB", "-1GB", "nan", "0", "1e30GiB", "4 gigs"] {
+            assert!(bytes(bad).is_err(), "{bad}");
+        }
+        assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("1.5h"), Ok(Duration::from_secs(5400)));
+        assert_eq!(duration("2min"), Ok(Duration::from_secs(120)));
+        assert_eq!(duration("250 ms"), Ok(Duration::from_millis(250)));
+        for bad in ["90", "s", "-1s", "infs", "nan s", "1e99h"] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+        assert_eq!(length("20cm"), Ok(0.2));
+        assert_eq!(length("0.2"), Ok(0.2));
+        assert!(length("0").is_err() && length("-3 mm").is_err() && length("inf").is_err());
+    }
+}

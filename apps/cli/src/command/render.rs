@@ -1,0 +1,274 @@
+//! `snowgrain render`.
+
+mod pictures;
+
+use crate::arguments::{MachineArguments, RenderArguments};
+use crate::budget::{Budget, readable_bytes};
+use crate::failure::Failure;
+use crate::load::{self, LoadedScene};
+use crate::output;
+use crate::process::{Spent, Stopwatch};
+use crate::progress::Progress;
+use crate::signals::Interrupts;
+use crate::summary::{BuildTimes, Run, grouped};
+use pictures::Pictures;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use snowgrain_accel::SimdLevel;
+use snowgrain_film::{Film, PixelRect};
+use snowgrain_formats::{atomic, scene};
+use snowgrain_render::description::SceneDescription;
+use snowgrain_render::{
+    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render,
+};
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
+    let started = Instant::now();
+    let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    if let Some(path) = &arguments.report.json_stats {
+        atomic::check_writable_target(path)?;
+    }
+    let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);
+    let interrupts = Interrupts::watch();
+    let loaded = load(arguments, &progress)?;
+    let description = &loaded.description;
+    let crop = crop(arguments, description)?;
+    let cost = CostEstimate::of(description, crop);
+    let budget = Budget::of_this_machine(arguments.machine.max_memory);
+    let fits = budget.map_or(Ok(()), |budget| budget.check(&cost));
+    if arguments.dry_run {
+        output::print(&estimate(&cost, description, crop, threads(&arguments.machine)))?;
+        return fits.map(|()| 0);
+    }
+    fits.map_err(|failure| failure.of(&loaded.name))?;
+    let pool = pool(&arguments.machine)?;
+    let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
+    progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
+    let (scene, times) = build(&loaded, &pool, &progress)?;
+    let settings =
+        RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
+    let task = Task { arguments, scene: &scene, settings, pool: &pool, started };
+    let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
+    progress.finish();
+    task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
+}
+
+/// The scene with all options applied.
+fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene, Failure> {
+    let mut changes = Vec::new();
+    if let Some(samples) = arguments.spp {
+        changes.push(format!("film.samples_per_pixel={samples}"));
+    }
+    if let Some(seed) = arguments.seed {
+        changes.push(format!("film.seed={seed}"));
+    }
+    if let Some(size) = arguments.size {
+        changes.push(format!("film.width={}", size.width));
+        changes.push(format!("film.height={}", size.height));
+    }
+    let mut loaded = load::load(&arguments.scene, changes)?;
+    for line in &loaded.assumptions {
+        progress.note(line);
+    }
+    if arguments.furnace {
+        loaded.description = scene::furnace(loaded.description);
+    }
+    Ok(loaded)
+}
+
+fn crop(arguments: &RenderArguments, scene: &SceneDescription) -> Result<PixelRect, Failure> {
+    let (width, height) = (scene.film.width, scene.film.height);
+    let whole = PixelRect::new(0, 0, width, height);
+    match arguments.crop {
+        Some(crop) if !whole.encloses(&crop) => Err(Failure::usage(format!(
+            "--crop {},{},{},{} leaves the picture of {width}x{height} pixels",
+            crop.x0, crop.y0, crop.x1, crop.y1
+        ))),
+        crop => Ok(crop.unwrap_or(whole)),
+    }
+}
+
+/// Threads that were asked for, else one for each processor.
+fn threads(machine: &MachineArguments) -> usize {
+    machine.threads.map_or_else(
+        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        usize::from,
+    )
+}
+
+fn pool(machine: &MachineArguments) -> Result<ThreadPool, Failure> {
+    let threads = threads(machine);
+    ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
+        Failure::refused(format!("{threads} threads cannot be started ({error}); use fewer"))
+    })
+}
+
+/// What `--dry-run` prints.
+fn estimate(
+    cost: &CostEstimate,
+    scene: &SceneDescription,
+    crop: PixelRect,
+    threads: usize,
+) -> String {
+    let render = cost.render_seconds / threads as f64;
+    format!(
+        "grains   about {}\n\
+         memory   about {} ({} for grains, {} more while they fall and are packed, {} for \
+         surfaces, {} for the film)\n\
+         pixels   {}x{}, {} samples each\n\
+         time     about {:.0} s (snow {:.0} s, rendering {render:.0} s with {threads} threads); \
+         within a factor of 3 on the machines it was measured on\n",
+        grouped(cost.grains),
+        readable_bytes(cost.peak_bytes()),
+        readable_bytes(cost.grain_bytes),
+        readable_bytes(cost.building_bytes),
+        readable_bytes(cost.surface_bytes),
+        readable_bytes(cost.film_bytes),
+        crop.width(),
+        crop.height(),
+        scene.film.samples_per_pixel,
+        cost.build_seconds + render,
+        cost.build_seconds,
+    )
+}
+
+/// Lets the snow fall and packs it.
+fn build(
+    loaded: &LoadedScene,
+    pool: &ThreadPool,
+    progress: &Progress,
+) -> Result<(Scene, BuildTimes), Failure> {
+    let mut times = BuildTimes::default();
+    let mut running: Option<(BuildStage, Stopwatch)> = None;
+    let snows = loaded.description.snow.len();
+    let built = pool.install(|| {
+        Scene::build(&loaded.description, &mut |stage| {
+            if let Some((ended, watch)) = running.replace((stage, Stopwatch::start())) {
+                times.book(ended, watch.spent());
+            }
+            progress.stage(&match stage {
+                BuildStage::Surfaces => "surfaces".to_owned(),
+                BuildStage::Snow { index } => format!("snow falls ({} of {snows})", index + 1),
+                BuildStage::Packing => "packing".to_owned(),
+            });
+        })
+    });
+    if let Some((ended, watch)) = running {
+        times.book(ended, watch.spent());
+    }
+    match built {
+        Ok(scene) => Ok((scene, times)),
+        Err(error) => Err(Failure::from(error).of(&loaded.name)),
+    }
+}
+
+/// A picture to be rendered.
+struct Task<'a> {
+    arguments: &'a RenderArguments,
+    scene: &'a Scene,
+    settings: RenderSettings,
+    pool: &'a ThreadPool,
+    started: Instant,
+}
+
+impl Task<'_> {
+    /// Renders, refreshing the PNG files.
+    fn render(
+        &self,
+        pictures: &Pictures,
+        interrupts: &Interrupts,
+        progress: &Progress,
+    ) -> Result<(Rendered, Spent), Failure> {
+        let samples_done = AtomicU64::new(0);
+        let wanted = self.settings.samples.end;
+        let total = self.settings.crop.area().saturating_mul(wanted);
+        let mut refresh = pictures.refresh();
+        let mut after_pass = |film: &Film| {
+            let over = self.arguments.time_limit.is_some_and(|l| self.started.elapsed() >= l);
+            if over {
+                interrupts.stop().store(true, Ordering::SeqCst);
+            }
+            let stopping = over || interrupts.exit_code().is_some();
+            if film.samples().total() < wanted && !stopping {
+                interrupts.while_writing(|| refresh.with(film, progress));
+            }
+        };
+        interrupts.keep_what_there_is();
+        let watch = Stopwatch::start();
+        let rendered = progress.samples(&samples_done, total, || {
+            self.pool.install(|| {
+                let mut control = RenderControl {
+                    stop: interrupts.stop(),
+                    samples_done: &samples_done,
+                    after_pass: &mut after_pass,
+                };
+                render(self.scene, &self.settings, &mut control)
+            })
+        })?;
+        Ok((rendered, watch.spent()))
+    }
+
+    /// Writes everything, whatever of it fails, and tells what there is.
+    fn report(
+        &self,
+        pictures: &Pictures,
+        interrupts: &Interrupts,
+        progress: &Progress,
+        rendered: &Rendered,
+        times: BuildTimes,
+        spent: Spent,
+    ) -> Result<u8, Failure> {
+        let samples = rendered.film.samples().total();
+        let mut written = Ok(());
+        let mut mean_radiance = None;
+        if samples > 0 {
+            let picture = snowgrain_film::Picture::from_film(&rendered.film)?;
+            mean_radiance = Some(picture.mean_radiance()?);
+            written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
+        }
+        let figures = Run {
+            report: &self.scene.report,
+            scene_hash: &self.scene.hash,
+            times,
+            render: spent,
+            statistics: &rendered.statistics,
+            samples_per_pixel: samples,
+            complete: rendered.complete,
+            mean_radiance,
+            threads: self.pool.current_num_threads(),
+            simd: self.settings.level.to_string(),
+        }
+        .figures();
+        figures.lines().iter().for_each(|line| progress.note(line));
+        if let Some(path) = &self.arguments.report.json_stats {
+            let text = output::json(&figures)?;
+            written = written.and(interrupts.while_writing(|| write_text(path, &text)));
+        }
+        written?;
+        let wanted = self.settings.samples.end;
+        let kept = match samples {
+            0 => "before every pixel had a sample; nothing was written".to_owned(),
+            _ => format!(
+                "after {samples} of {wanted} samples a pixel; the picture so far is written"
+            ),
+        };
+        match interrupts.exit_code() {
+            Some(code) => {
+                progress.note(&format!("stopped by a signal {kept}"));
+                Ok(code)
+            }
+            None if !rendered.complete => {
+                progress.note(&format!("stopped by --time-limit {kept}"));
+                Ok(0)
+            }
+            None => Ok(0),
+        }
+    }
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    Ok(atomic::write(path, |writer| writer.write_all(text.as_bytes()))?)
+}

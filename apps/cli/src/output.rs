@@ -1,0 +1,22 @@
+//! Data on standard output.
+
+use crate::failure::{Failure, exit};
+use std::io::{self, Write};
+
+/// Writes `text` to standard output. A reader that has seen enough (`| head`) is no failure.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::new(exit::INPUT_OUTPUT, format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The value as JSON over several lines.
+pub(crate) fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value)
+        .map(|text| text + "\n")
+        .map_err(|error| Failure::new(exit::BUG, format!("the figures cannot be written: {error}")))
+}

@@ -1,0 +1,125 @@
+//! What is being done, on standard error: a bar on a terminal, short lines elsewhere.
+//!
+//! No colours are used, so that `NO_COLOR` is honoured as it is.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// Between two looks at the counter of samples.
+const LOOK: Duration = Duration::from_millis(100);
+/// Between two lines where there is no terminal.
+const LINE: Duration = Duration::from_secs(10);
+
+/// Tells the user what is being done.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    shown: Shown,
+    verbose: bool,
+}
+
+#[derive(Debug)]
+enum Shown {
+    Nothing,
+    Lines,
+    Bar(ProgressBar),
+}
+
+impl Progress {
+    pub(crate) fn new(quiet: bool, verbose: bool) -> Self {
+        let shown = if quiet {
+            Shown::Nothing
+        } else if std::io::stderr().is_terminal() {
+            Shown::Bar(ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()))
+        } else {
+            Shown::Lines
+        };
+        Self { shown, verbose: verbose && !quiet }
+    }
+
+    /// A new stage of unknown length begins.
+    pub(crate) fn stage(&self, name: &str) {
+        match &self.shown {
+            Shown::Nothing => {}
+            Shown::Lines => eprintln!("snowgrain: {name}"),
+            Shown::Bar(bar) => {
+                if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
+                    bar.set_style(style);
+                }
+                bar.set_message(name.to_owned());
+                bar.enable_steady_tick(LOOK);
+            }
+        }
+    }
+
+    /// Something the user should know.
+    pub(crate) fn note(&self, line: &str) {
+        match &self.shown {
+            Shown::Nothing => {}
+            Shown::Lines => eprintln!("snowgrain: {line}"),
+            Shown::Bar(bar) => bar.suspend(|| eprintln!("snowgrain: {line}")),
+        }
+    }
+
+    /// Something that only `--verbose` asks for.
+    pub(crate) fn detail(&self, line: &str) {
+        if self.verbose {
+            self.note(line);
+        }
+    }
+
+    /// Does `work` and shows how far `done` is on its way to `total` samples.
+    pub(crate) fn samples<T>(&self, done: &AtomicU64, total: u64, work: impl FnOnce() -> T) -> T {
+        match &self.shown {
+            Shown::Nothing => work(),
+            Shown::Lines => {
+                eprintln!("snowgrain: rendering {total} samples");
+                let mut told = Instant::now();
+                watching(work, || {
+                    if told.elapsed() >= LINE {
+                        told = Instant::now();
+                        let done = done.load(Ordering::Relaxed);
+                        let percent = 100.0 * done as f64 / total.max(1) as f64;
+                        eprintln!("snowgrain: {percent:.0} % of the samples");
+                    }
+                })
+            }
+            Shown::Bar(bar) => {
+                bar.set_length(total);
+                bar.set_position(0);
+                bar.reset();
+                bar.set_message("rendering");
+                let template = "{msg} [{bar:30}] {percent:>3} %  {human_pos} of {human_len} \
+                                samples  {elapsed}, {eta} to go";
+                if let Ok(style) = ProgressStyle::with_template(template) {
+                    bar.set_style(style.progress_chars("=> "));
+                }
+                watching(work, || bar.set_position(done.load(Ordering::Relaxed)))
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        if let Shown::Bar(bar) = &self.shown {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Does `work` and looks every now and then.
+fn watching<T>(work: impl FnOnce() -> T, mut look: impl FnMut() + Send) -> T {
+    std::thread::scope(|scope| {
+        let (working, ended) = channel::<()>();
+        scope.spawn(move || {
+            while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                look();
+            }
+        });
+        let result = work();
+        drop(working);
+        result
+    })
+}

@@ -1,0 +1,203 @@
+//! The figures of a run, for people and for programs.
+
+use crate::budget::readable_bytes;
+use crate::process::{self, Spent};
+use serde::Serialize;
+use snowgrain_grains::DepositReport;
+use snowgrain_render::{BuildReport, BuildStage, Statistics};
+
+/// Time that the stages of a build took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BuildTimes {
+    /// Snow falling or being placed.
+    pub(crate) deposit: Spent,
+    /// Surfaces, and packing for light.
+    pub(crate) build: Spent,
+}
+
+impl BuildTimes {
+    /// Books the time of a stage that is over.
+    pub(crate) fn book(&mut self, stage: BuildStage, spent: Spent) {
+        match stage {
+            BuildStage::Snow { .. } => self.deposit += spent,
+            BuildStage::Surfaces | BuildStage::Packing => self.build += spent,
+        }
+    }
+}
+
+/// The figures that `--json-stats` holds.
+#[derive(Debug, Serialize)]
+pub(crate) struct RunFigures {
+    pub(crate) grains: u64,
+    pub(crate) grain_bytes: u64,
+    pub(crate) surface_bytes: u64,
+    pub(crate) peak_rss_bytes: Option<u64>,
+    pub(crate) deposit_seconds: f64,
+    pub(crate) deposit_cpu_seconds: f64,
+    pub(crate) build_seconds: f64,
+    pub(crate) build_cpu_seconds: f64,
+    pub(crate) render_seconds: f64,
+    pub(crate) render_cpu_seconds: f64,
+    pub(crate) samples: u64,
+    pub(crate) samples_per_pixel: u64,
+    pub(crate) complete: bool,
+    pub(crate) paths_in_snow: u64,
+    pub(crate) interface_events: u64,
+    pub(crate) grain_visits: u64,
+    pub(crate) surface_bounces: u64,
+    pub(crate) trapped_paths: u64,
+    pub(crate) rays: u64,
+    /// Of all pixels, linear; `None` where no pass was completed.
+    pub(crate) mean_radiance: Option<[f64; 3]>,
+    pub(crate) snowfalls: Vec<Option<SnowfallFigures>>,
+    pub(crate) threads: usize,
+    pub(crate) simd: String,
+    pub(crate) version: &'static str,
+    pub(crate) scene_hash: String,
+}
+
+/// What became of the grains of one snowfall.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct SnowfallFigures {
+    pub(crate) accepted: u64,
+    pub(crate) discarded: u64,
+    pub(crate) missed: u64,
+    pub(crate) unsettled: u64,
+}
+
+impl From<&DepositReport> for SnowfallFigures {
+    fn from(report: &DepositReport) -> Self {
+        let &DepositReport { accepted, discarded, missed, unsettled } = report;
+        Self { accepted, discarded, missed, unsettled }
+    }
+}
+
+/// The figures of all snowfalls; `None` for snow that was placed.
+pub(crate) fn snowfalls(reports: &[Option<DepositReport>]) -> Vec<Option<SnowfallFigures>> {
+    reports.iter().map(|report| report.as_ref().map(SnowfallFigures::from)).collect()
+}
+
+/// What a render did, as its parts report it.
+pub(crate) struct Run<'a> {
+    pub(crate) report: &'a BuildReport,
+    pub(crate) scene_hash: &'a [u8; 32],
+    pub(crate) times: BuildTimes,
+    pub(crate) render: Spent,
+    pub(crate) statistics: &'a Statistics,
+    pub(crate) samples_per_pixel: u64,
+    pub(crate) complete: bool,
+    pub(crate) mean_radiance: Option<[f64; 3]>,
+    pub(crate) threads: usize,
+    pub(crate) simd: String,
+}
+
+impl Run<'_> {
+    pub(crate) fn figures(&self) -> RunFigures {
+        let (report, counts) = (self.report, self.statistics);
+        RunFigures {
+            grains: report.grains,
+            grain_bytes: report.grain_bytes,
+            surface_bytes: report.surface_bytes,
+            peak_rss_bytes: process::peak_memory(),
+            deposit_seconds: self.times.deposit.wall,
+            deposit_cpu_seconds: self.times.deposit.cpu,
+            build_seconds: self.times.build.wall,
+            build_cpu_seconds: self.times.build.cpu,
+            render_seconds: self.render.wall,
+            render_cpu_seconds: self.render.cpu,
+            samples: counts.paths,
+            samples_per_pixel: self.samples_per_pixel,
+            complete: self.complete,
+            paths_in_snow: counts.paths_in_snow,
+            interface_events: counts.interface_events,
+            grain_visits: counts.grain_visits,
+            surface_bounces: counts.surface_bounces,
+            trapped_paths: counts.trapped_paths,
+            rays: counts.rays,
+            mean_radiance: self.mean_radiance,
+            snowfalls: snowfalls(&report.snowfalls),
+            threads: self.threads,
+            simd: self.simd.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            scene_hash: self.scene_hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+        }
+    }
+}
+
+impl RunFigures {
+    /// The summary, line by line.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        let mut lines = vec![format!(
+            "{} grains in {}{}; peak memory {}",
+            grouped(self.grains),
+            readable_bytes(self.grain_bytes),
+            match self.grain_bytes.checked_div(self.grains) {
+                Some(each) if each > 0 => format!(" ({each} bytes each)"),
+                _ => String::new(),
+            },
+            self.peak_rss_bytes.map_or_else(|| "unknown".into(), readable_bytes),
+        )];
+        let fallen = self.snowfalls.iter().flatten();
+        let (discarded, missed) =
+            fallen.fold((0, 0), |sum, fall| (sum.0 + fall.discarded, sum.1 + fall.missed));
+        if discarded + missed > 0 {
+            lines.push(format!(
+                "{} grains were discarded as too steep, {} fell past everything",
+                grouped(discarded),
+                grouped(missed)
+            ));
+        }
+        lines.push(format!(
+            "snow {}, surfaces and packing {}, rendering {}",
+            seconds(self.deposit_seconds, self.deposit_cpu_seconds),
+            seconds(self.build_seconds, self.build_cpu_seconds),
+            seconds(self.render_seconds, self.render_cpu_seconds),
+        ));
+        let per_second = self.interface_events as f64 / self.render_cpu_seconds.max(1e-9);
+        lines.push(format!(
+            "{} samples a pixel, {} paths, {} grain visits, {:.1} million interfaces a CPU second, \
+             {} trapped",
+            self.samples_per_pixel,
+            grouped(self.samples),
+            grouped(self.grain_visits),
+            per_second * 1e-6,
+            self.trapped_paths,
+        ));
+        if let Some([r, g, b]) = self.mean_radiance {
+            lines.push(format!("mean radiance {r:.5} {g:.5} {b:.5}"));
+        }
+        lines
+    }
+}
+
+fn seconds(wall: f64, cpu: f64) -> String {
+    format!("{wall:.2} s ({cpu:.2} s CPU)")
+}
+
+/// A number with its thousands apart: `1 000 000`.
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let first = digits.len() % 3;
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && index % 3 == first {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grouped;
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1000), "1 000");
+        assert_eq!(grouped(12_345_678), "12 345 678");
+        assert_eq!(grouped(123_456), "123 456");
+    }
+}

@@ -1,0 +1,219 @@
+//! What a scene will cost, before anything of it is made.
+
+use crate::camera::Camera;
+use crate::description::{ObjectDescription, ObjectShape, SceneDescription, SnowDescription};
+use core::f64::consts::PI;
+use snowgrain_film::{PixelRect, PixelSums};
+use snowgrain_geometry::{QuantisedGrain, teapot::teapot};
+use snowgrain_grains::{Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeSettings};
+use snowgrain_math::{Aabb, DVec3};
+
+/// Bytes a grain of the packed grid: measured 60 to 75 on the built-in scenes; more where snow is
+/// thin or radii vary much.
+const GRID_BYTES_PER_GRAIN: f64 = 90.0;
+/// Bytes a grain of the structure that grains fall on.
+const STACK_BYTES_PER_GRAIN: f64 = 24.0;
+/// Bytes a triangle: as loaded, and in the structure that finds it.
+const BYTES_PER_TRIANGLE: f64 = 180.0;
+/// Bytes a pixel beside the sums: layers, and their encoding.
+const PICTURE_BYTES_PER_PIXEL: u64 = 180;
+/// Films alive at once: the film and the pass that is being added to it.
+const FILMS: u64 = 2;
+
+/// Triangles of the built-in teapot.
+const TEAPOT_TRIANGLES: f64 = 65_536.0;
+
+/// Seconds of a processor to let a grain fall, by the three rules (measured, order of magnitude).
+const SECONDS_PER_RAY_GRAIN: f64 = 0.8e-6;
+const SECONDS_PER_STICK_GRAIN: f64 = 0.8e-6;
+const SECONDS_PER_ROLL_GRAIN: f64 = 6e-6;
+/// Seconds of a processor to pack a grain for light.
+const SECONDS_PER_PACKED_GRAIN: f64 = 0.6e-6;
+/// Seconds of a processor to follow a path that meets the box of the scene (measured on the built-in
+/// scenes, order of magnitude: it depends on how deep light goes).
+const SECONDS_PER_PATH: f64 = 12e-6;
+/// Pixels across and down that are asked whether they see the scene.
+const PROBES: u32 = 48;
+
+/// What a scene will cost. Memory is meant as an upper bound of what is usual, times as an order of
+/// magnitude on one processor of today.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CostEstimate {
+    /// Number of grains.
+    pub grains: u64,
+    /// Memory of the grains and their acceleration while rendering, bytes.
+    pub grain_bytes: u64,
+    /// Memory that only the making of the snow needs, bytes.
+    pub building_bytes: u64,
+    /// Memory of the surfaces, bytes.
+    pub surface_bytes: u64,
+    /// Memory of film and picture, bytes.
+    pub film_bytes: u64,
+    /// Processor seconds to make the snow.
+    pub build_seconds: f64,
+    /// Processor seconds to render.
+    pub render_seconds: f64,
+}
+
+impl CostEstimate {
+    /// Estimates the scene, rendered over `crop`; looks at vertices and at a few pixels' rays, and
+    /// takes no memory to speak of.
+    #[must_use]
+    pub fn of(description: &SceneDescription, crop: PixelRect) -> Self {
+        let mut cost = Self::default();
+        let mut bounds = Aabb::EMPTY;
+        for object in &description.objects {
+            bounds = bounds.union(&bounds_of(object));
+            cost.surface_bytes += (triangles(object) * BYTES_PER_TRIANGLE) as u64;
+        }
+        let objects = bounds;
+        for snow in &description.snow {
+            let (grains, body) = match snow {
+                SnowDescription::Deposit(settings) => fallen(settings, &bounds),
+                SnowDescription::Lattice(settings) => {
+                    (settings.full_count() as f64, lattice_box(settings))
+                }
+                SnowDescription::Grains(field) => (field.len() as f64, field.bounds()),
+            };
+            bounds = bounds.union(&body);
+            cost.add_snow(snow, grains);
+        }
+        if implicit(description, &objects) {
+            (cost.grain_bytes, cost.building_bytes, cost.build_seconds) = (0, 0, 0.0);
+        }
+        cost.film_bytes = crop.area() * (FILMS * PixelSums::BYTES as u64 + PICTURE_BYTES_PER_PIXEL);
+        let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
+        cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
+        cost
+    }
+
+    /// The most memory that is needed at once, bytes.
+    #[must_use]
+    pub fn peak_bytes(&self) -> u64 {
+        [self.building_bytes, self.surface_bytes, self.film_bytes]
+            .into_iter()
+            .fold(self.grain_bytes, u64::saturating_add)
+    }
+
+    fn add_snow(&mut self, snow: &SnowDescription, grains: f64) {
+        let grain = size_of::<QuantisedGrain>() as f64;
+        let (building, falling) = match snow {
+            SnowDescription::Deposit(settings) => (grain, seconds_to_fall(settings.rule)),
+            SnowDescription::Lattice(_) => (2.0 * grain, 0.0),
+            SnowDescription::Grains(_) => (2.0 * grain, 0.0),
+        };
+        let stacks = (STACK_BYTES_PER_GRAIN - GRID_BYTES_PER_GRAIN).max(0.0);
+        self.grains = self.grains.saturating_add(grains as u64);
+        self.grain_bytes = self.grain_bytes.saturating_add((grains * GRID_BYTES_PER_GRAIN) as u64);
+        self.building_bytes =
+            self.building_bytes.saturating_add((grains * (building + stacks)) as u64);
+        self.build_seconds += grains * (falling + SECONDS_PER_PACKED_GRAIN);
+    }
+}
+
+fn seconds_to_fall(rule: DepositRule) -> f64 {
+    match rule {
+        DepositRule::Ray => SECONDS_PER_RAY_GRAIN,
+        DepositRule::Stick => SECONDS_PER_STICK_GRAIN,
+        DepositRule::Roll => SECONDS_PER_ROLL_GRAIN,
+    }
+}
+
+/// Part of space that the volumes of fallen grains make up, overlaps counted twice.
+fn nominal_fraction(settings: &DepositSettings) -> f64 {
+    match (settings.density, settings.rule) {
+        (Some(density), DepositRule::Ray) => 1.2 * density / ICE_DENSITY,
+        (Some(density), _) => density / ICE_DENSITY,
+        (None, DepositRule::Ray) => 0.55,
+        (None, DepositRule::Stick) => 0.16,
+        (None, DepositRule::Roll) => 0.58,
+    }
+}
+
+/// Number of grains of a snowfall and the box that they will fill, on what fills `below`.
+fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
+    let margin = 2.0 * settings.radii.largest();
+    let mut plan = if below.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { *below };
+    match settings.area {
+        Some([x0, z0, x1, z1]) => {
+            (plan.min.x, plan.min.z, plan.max.x, plan.max.z) = (x0, z0, x1, z1);
+        }
+        None => plan = plan.expanded(margin),
+    }
+    let size = plan.size();
+    let area = (size.x * size.z).max(f64::MIN_POSITIVE);
+    let per_metre =
+        area * nominal_fraction(settings) / (4.0 / 3.0 * PI * settings.radii.mean_cube());
+    let (grains, depth) = match settings.amount {
+        Amount::Grains(grains) => (grains as f64, grains as f64 / per_metre),
+        Amount::Depth(depth) => (depth * per_metre, depth),
+    };
+    plan.max.y += depth + margin;
+    (grains, plan)
+}
+
+fn lattice_box(settings: &LatticeSettings) -> Aabb {
+    // Cells are at most two spacings wide; a loose box does, it only says what the camera sees.
+    let spacing = settings.spacing.unwrap_or(2.0 * settings.radius);
+    let cell = match settings.kind.grains_per_cell() {
+        1 => spacing,
+        2 => spacing * 1.155,
+        _ => spacing * 1.5,
+    };
+    Aabb::new(DVec3::ZERO, DVec3::from_array(settings.counts.map(|n| f64::from(n) * cell)))
+}
+
+/// Whether the snow is one whole lattice clear of all objects, which takes no memory.
+fn implicit(description: &SceneDescription, objects: &Aabb) -> bool {
+    let [SnowDescription::Lattice(settings)] = description.snow.as_slice() else { return false };
+    let body = lattice_box(settings);
+    let apart = objects.is_empty()
+        || objects.max.cmplt(body.min).any()
+        || objects.min.cmpgt(body.max).any();
+    let infinite = description.objects.iter().any(|o| matches!(o.shape, ObjectShape::Plane));
+    apart && !infinite && !(settings.density.is_some() && settings.spacing.is_some())
+}
+
+fn triangles(object: &ObjectDescription) -> f64 {
+    match &object.shape {
+        ObjectShape::Mesh(mesh) => mesh.triangles.len() as f64,
+        ObjectShape::Teapot => TEAPOT_TRIANGLES,
+        ObjectShape::Sphere | ObjectShape::Box | ObjectShape::Plane => 1.0,
+    }
+}
+
+/// The box around a finite object, metres; empty for an infinite one.
+fn bounds_of(object: &ObjectDescription) -> Aabb {
+    let around = |points: &mut dyn Iterator<Item = DVec3>| {
+        points.fold(Aabb::EMPTY, |bounds, point| {
+            bounds.including(object.transform.transform_point3(point))
+        })
+    };
+    match &object.shape {
+        ObjectShape::Plane => Aabb::EMPTY,
+        ObjectShape::Sphere | ObjectShape::Box => around(&mut (0..8).map(|corner: u32| {
+            DVec3::from_array([0, 1, 2].map(|axis| f64::from(corner >> axis & 1) * 2.0 - 1.0))
+        })),
+        ObjectShape::Teapot => around(&mut teapot(8).positions.iter().copied()),
+        ObjectShape::Mesh(mesh) => around(&mut mesh.positions.iter().copied()),
+    }
+}
+
+/// Part of the pixels of `crop` that look at `bounds`.
+fn seen(description: &SceneDescription, crop: PixelRect, bounds: &Aabb) -> f64 {
+    if bounds.is_empty() {
+        return 1.0;
+    }
+    let camera = Camera::new(&description.camera, &description.film);
+    let at = |start: u32, length: u32, probe: u32| {
+        f64::from(start) + f64::from(length) * (f64::from(probe) + 0.5) / f64::from(PROBES)
+    };
+    let hits = (0..PROBES * PROBES)
+        .filter(|probe| {
+            let x = at(crop.x0, crop.width(), probe % PROBES);
+            let y = at(crop.y0, crop.height(), probe / PROBES);
+            bounds.intersect(&camera.ray(x, y)).is_some()
+        })
+        .count();
+    hits as f64 / f64::from(PROBES * PROBES)
+}
