@@ -20,6 +20,5 @@ pub use estimate::CostEstimate;
 pub use render::{RenderControl, RenderSettings, Rendered, render};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, surfaces_of};
 pub use snowgrain_accel::SimdLevel;
-pub use snowgrain_accel::SimdLevel;
 pub use statistics::Statistics;
 pub use world::World;
