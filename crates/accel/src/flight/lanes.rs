@@ -107,6 +107,45 @@ impl Lanes {
         })
     }
 
+    /// Copies the path of lane `from` to lane `to`.
+    pub(crate) fn copy_lane(&mut self, from: usize, to: usize) {
+        for axes in [
+            &mut self.position,
+            &mut self.direction,
+            &mut self.grain,
+            &mut self.found_grain,
+            &mut self.first_normal,
+            &mut self.first_position,
+        ] {
+            axes.set(to, axes.get(from));
+        }
+        for axes in [&mut self.cell, &mut self.first_cell] {
+            axes.set(to, axes.get(from));
+        }
+        for floats in [
+            &mut self.found,
+            &mut self.cos_outside,
+            &mut self.chord,
+            &mut self.ice_length,
+            &mut self.air_length,
+        ] {
+            floats[to] = floats[from];
+        }
+        for words in [
+            &mut self.mode,
+            &mut self.grain_radius,
+            &mut self.found_radius,
+            &mut self.entry,
+            &mut self.key_lo,
+            &mut self.key_hi,
+            &mut self.event,
+            &mut self.visits,
+            &mut self.turns,
+        ] {
+            words[to] = words[from];
+        }
+    }
+
     pub(crate) fn cell_of(&self, lane: usize) -> IVec3 {
         IVec3::from_array(self.cell.get(lane))
     }

@@ -73,6 +73,8 @@ pub struct Flight<'a> {
     /// piece is excluded until the next interface turns the path.
     left: [Option<(SurfaceId, u32)>; LANES],
     events: Vec<(usize, FlightEvent)>,
+    /// Lanes that are looked at: all paths in flight are in the first ones.
+    in_use: usize,
 }
 
 impl<'a> Flight<'a> {
@@ -90,6 +92,7 @@ impl<'a> Flight<'a> {
             lanes: Lanes::new(),
             left: [None; LANES],
             events: Vec::with_capacity(LANES),
+            in_use: LANES,
         }
     }
 
@@ -152,6 +155,19 @@ impl<'a> Flight<'a> {
     /// Ends the path of `lane`.
     pub fn retire(&mut self, lane: usize) {
         self.lanes.mode[lane] = mode::PAUSED;
+    }
+
+    /// Moves the path of lane `from` to the free lane `to`.
+    pub fn relocate(&mut self, from: usize, to: usize) {
+        self.lanes.copy_lane(from, to);
+        self.left[to] = self.left[from];
+        self.lanes.mode[from] = mode::PAUSED;
+    }
+
+    /// Tells that only the first `lanes` lanes hold paths, so that a few last paths do not cost as
+    /// much as 64.
+    pub fn use_lanes(&mut self, lanes: usize) {
+        self.in_use = lanes.min(LANES);
     }
 
     /// Lets all paths travel until at least one needs its caller; `(lane, event)` of each that

@@ -1,7 +1,7 @@
 //! One round: a block test for every path, the update of all, then the rare things one by one.
 
 use super::block_test::{BlockRay, NOTHING, test_block};
-use super::lanes::{LANES, Lanes, mode};
+use super::lanes::{Lanes, mode};
 use super::update::{EXIT_TOLERANCE, GROUP, update_group};
 use super::{Flight, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{CellEntry, GrainGrid, MEETS_SURFACE, RADIUS_MASK};
@@ -14,7 +14,7 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut Flight<'_>) {
     let has_surfaces = !flight.surfaces.is_empty();
     while flight.events.is_empty() {
         let mut flying = false;
-        for lane in 0..LANES {
+        for lane in 0..flight.in_use {
             let now = flight.lanes.mode[lane];
             if now == mode::PAUSED {
                 continue;
@@ -29,10 +29,10 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut Flight<'_>) {
         if !flying {
             return;
         }
-        for at in (0..LANES).step_by(GROUP) {
+        for at in (0..flight.in_use).step_by(GROUP) {
             update_group(simd, flight.grid, flight.ice, &mut flight.lanes, at);
         }
-        for lane in 0..LANES {
+        for lane in 0..flight.in_use {
             if flight.lanes.mode[lane] != mode::PAUSED {
                 settle(flight, lane);
             }

@@ -119,6 +119,37 @@ struct Exits<S: Simd> {
     stay: [[i32x16<S>; 2]; 3],
 }
 
+/// Along one axis: distance to the face ahead, the cells that crossing it moves (signed), and the
+/// least and greatest move where another face is crossed.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a closure would not be inlined with its SIMD level")]
+fn exit_along<S: Simd>(
+    simd: S,
+    grid: &GrainGrid,
+    lanes: &Lanes,
+    at: usize,
+    axis: usize,
+    position: F<S>,
+    direction: F<S>,
+    brick: M<S>,
+) -> (F<S>, i32x16<S>, [i32x16<S>; 2]) {
+    let (none, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
+    let seven = i32x16::splat(simd, 7);
+    let margin = F::splat(simd, grid.margin as f32);
+    let side = F::splat(simd, grid.side[axis] as f32);
+    let cell = i32x16::from_slice(simd, &lanes.cell.0[axis][at..at + GROUP]);
+    let below = brick.select(cell & seven, none);
+    let above = brick.select(seven - (cell & seven), none);
+    let forward = direction.simd_gt(F::splat(simd, 0.0));
+    let low = margin - simd.cvt_f32_i32x16(below) * side;
+    let high = margin + side + simd.cvt_f32_i32x16(above) * side;
+    let parallel = direction.abs().simd_lt(F::splat(simd, 1.0e-20));
+    let divisor = parallel.select(F::splat(simd, 1.0), direction);
+    let t = (forward.select(high, low) - position) / divisor;
+    let t = parallel.select(F::splat(simd, NOTHING), t);
+    (t, forward.select(above + one, none - below - one), [none - below, above])
+}
+
 #[inline(always)]
 fn exits<S: Simd>(
     simd: S,
@@ -129,28 +160,11 @@ fn exits<S: Simd>(
     direction: Vector<S>,
 ) -> Exits<S> {
     let zero = F::splat(simd, 0.0);
-    let brick =
-        words(simd, &lanes.entry, at).simd_eq(u32x16::splat(simd, CellEntry::EMPTY_BRICK.0));
-    let seven = i32x16::splat(simd, 7);
-    let none = i32x16::splat(simd, 0);
-    let one = i32x16::splat(simd, 1);
-    let margin = F::splat(simd, grid.margin as f32);
-    let along = |axis: usize, p: F<S>, d: F<S>| {
-        let cell = i32x16::from_slice(simd, &lanes.cell.0[axis][at..at + GROUP]);
-        let side = F::splat(simd, grid.side[axis] as f32);
-        let below = brick.select(cell & seven, none);
-        let above = brick.select(seven - (cell & seven), none);
-        let forward = d.simd_gt(zero);
-        let low = margin - simd.cvt_f32_i32x16(below) * side;
-        let high = margin + side + simd.cvt_f32_i32x16(above) * side;
-        let parallel = d.abs().simd_lt(F::splat(simd, 1.0e-20));
-        let t = (forward.select(high, low) - p) / parallel.select(F::splat(simd, 1.0), d);
-        let t = parallel.select(F::splat(simd, NOTHING), t);
-        (t, forward.select(above + one, none - below - one), [none - below, above])
-    };
-    let (tx, mx, sx) = along(0, position.0, direction.0);
-    let (ty, my, sy) = along(1, position.1, direction.1);
-    let (tz, mz, sz) = along(2, position.2, direction.2);
+    let entry = words(simd, &lanes.entry, at);
+    let brick = entry.simd_eq(u32x16::splat(simd, CellEntry::EMPTY_BRICK.0));
+    let (tx, mx, sx) = exit_along(simd, grid, lanes, at, 0, position.0, direction.0, brick);
+    let (ty, my, sy) = exit_along(simd, grid, lanes, at, 1, position.1, direction.1, brick);
+    let (tz, mz, sz) = exit_along(simd, grid, lanes, at, 2, position.2, direction.2, brick);
     let x = tx.simd_le(ty) & tx.simd_le(tz);
     let y = !x & ty.simd_le(tz);
     let z = !(x | y);

@@ -24,6 +24,7 @@ pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut S
         world,
         flight: Flight::new(&world.grid, &world.surfaces, world.eta, level),
         walkers: [None; LANES],
+        in_use: LANES,
     };
     for lane in 0..LANES {
         walk.refill(lane, source);
@@ -36,6 +37,7 @@ pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut S
         for (lane, event) in events {
             walk.answer(lane, event, source);
         }
+        walk.close_ranks();
     }
 }
 
@@ -43,6 +45,8 @@ struct Walk<'a, Tag> {
     world: &'a World,
     flight: Flight<'a>,
     walkers: [Option<Walker<Tag>>; LANES],
+    /// All paths are in the first lanes.
+    in_use: usize,
 }
 
 impl<Tag: Copy> Walk<'_, Tag> {
@@ -64,6 +68,25 @@ impl<Tag: Copy> Walk<'_, Tag> {
             }
         }
         self.flight.retire(lane);
+    }
+
+    /// When the source is dry, moves the last paths into the lanes that became free, so that the
+    /// flight has fewer lanes to look at.
+    fn close_ranks(&mut self) {
+        for lane in 0..LANES {
+            while self.in_use > lane && self.walkers[self.in_use - 1].is_none() {
+                self.in_use -= 1;
+            }
+            if lane >= self.in_use {
+                break;
+            }
+            if self.walkers[lane].is_none() {
+                let last = self.in_use - 1;
+                self.walkers[lane] = self.walkers[last].take();
+                self.flight.relocate(last, lane);
+            }
+        }
+        self.flight.use_lanes(self.in_use);
     }
 
     fn answer<Source: PathSource<Tag = Tag>>(
