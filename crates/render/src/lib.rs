@@ -17,8 +17,8 @@ pub mod world;
 
 pub use error::RenderError;
 pub use estimate::CostEstimate;
-pub use snowgrain_accel::SimdLevel;
 pub use render::{RenderControl, RenderSettings, Rendered, render};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, surfaces_of};
+pub use snowgrain_accel::SimdLevel;
 pub use statistics::Statistics;
 pub use world::World;
