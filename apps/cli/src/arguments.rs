@@ -1,15 +1,21 @@
 //! The command line as typed.
 
+mod compare;
+mod deposit;
+mod measure;
+mod render;
 mod values;
 
 use clap::{Args, Parser, Subcommand};
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::PixelRect;
 use snowgrain_formats::scene::{MeshUnits, UpAxis};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
 
+pub(crate) use compare::CompareArguments;
+pub(crate) use deposit::DepositArguments;
+pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
+pub(crate) use render::RenderArguments;
 pub(crate) use values::{PictureFile, PictureFormat, Size};
 
 /// Snowgrain renders snow that is made of real, discrete grains of ice.
@@ -33,71 +39,13 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Render(RenderArguments),
+    Deposit(DepositArguments),
     Scenes(ScenesArguments),
+    Compare(CompareArguments),
+    Measure(MeasureArguments),
     /// Prints the JSON Schema of scene files, for editors.
     #[command(after_help = "Example:\n  snowgrain schema > scene.schema.json")]
     Schema,
-}
-
-/// Renders a scene.
-///
-/// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
-/// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  \
-    snowgrain render snowy-teapot -o teapot.png\n  \
-    snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \
-    snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
-    snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
-    snowgrain render scene.toml --dry-run\n\n\
-    The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
-pub(crate) struct RenderArguments {
-    #[command(flatten)]
-    pub(crate) scene: SceneArguments,
-
-    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit; refreshed while it
-    /// renders), .exr (scene-linear, all layers) or .film (the exact sums)
-    #[arg(short, long, value_name = "FILE", required_unless_present = "dry_run")]
-    pub(crate) output: Vec<PictureFile>,
-
-    /// Samples per pixel, instead of the scene's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(crate) spp: Option<u32>,
-
-    /// Seed of the random numbers of light, instead of the scene's
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: Option<u64>,
-
-    /// Size of the picture in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH")]
-    pub(crate) size: Option<Size>,
-
-    /// Renders only these pixels: columns x0 to x1 - 1, rows y0 to y1 - 1
-    #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop)]
-    pub(crate) crop: Option<PixelRect>,
-
-    /// Brightness of PNG files in stops: +1 doubles it
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
-          value_parser = values::finite)]
-    pub(crate) exposure: f64,
-
-    /// Stops after the pass over the picture that exceeds this time, counted from the start
-    #[arg(long, value_name = "TIME", value_parser = values::duration)]
-    pub(crate) time_limit: Option<Duration>,
-
-    /// Albedos 1, no absorption, uniform light of radiance 1: every pixel must be exactly 1
-    #[arg(long)]
-    pub(crate) furnace: bool,
-
-    /// Estimates grains, memory and time; nothing is made or traced
-    #[arg(long)]
-    pub(crate) dry_run: bool,
-
-    #[command(flatten)]
-    pub(crate) machine: MachineArguments,
-
-    #[command(flatten)]
-    pub(crate) report: ReportArguments,
 }
 
 /// Which scene, and how it is changed.
@@ -145,7 +93,7 @@ pub(crate) struct MachineArguments {
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {
     /// Writes the figures of the run as JSON
-    #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
+    #[arg(long, value_name = "FILE")]
     pub(crate) json_stats: Option<PathBuf>,
 
     /// Tells nothing but errors

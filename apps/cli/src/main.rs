@@ -10,6 +10,7 @@ mod process;
 mod progress;
 mod signals;
 mod summary;
+mod threads;
 
 use clap::Parser;
 use failure::{Failure, exit};

@@ -1,7 +1,9 @@
-//! Data on standard output.
+//! Data on standard output, and figures in files.
 
 use crate::failure::{Failure, exit};
+use snowgrain_formats::atomic;
 use std::io::{self, Write};
+use std::path::Path;
 
 /// Writes `text` to standard output. A reader that has seen enough (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -19,4 +21,9 @@ pub(crate) fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(value)
         .map(|text| text + "\n")
         .map_err(|error| Failure::new(exit::BUG, format!("the figures cannot be written: {error}")))
+}
+
+/// Writes a text file, whole or not at all.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    Ok(atomic::write(path, |writer| writer.write_all(text.as_bytes()))?)
 }

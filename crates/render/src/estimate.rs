@@ -9,10 +9,9 @@ use snowgrain_grains::{Amount, DepositRule, DepositSettings, ICE_DENSITY, Lattic
 use snowgrain_math::{Aabb, DVec3};
 
 /// Bytes a grain of the packed grid: measured 60 to 75 on the built-in scenes; more where snow is
-/// thin or radii vary much.
+/// thin or radii vary much. The structure that grains fall on takes less (about 20) and is gone
+/// before they are packed.
 const GRID_BYTES_PER_GRAIN: f64 = 90.0;
-/// Bytes a grain of the structure that grains fall on.
-const STACK_BYTES_PER_GRAIN: f64 = 24.0;
 /// Bytes a triangle: as loaded, and in the structure that finds it.
 const BYTES_PER_TRIANGLE: f64 = 180.0;
 /// Bytes a pixel beside the sums: layers, and their encoding.
@@ -87,6 +86,14 @@ impl CostEstimate {
         cost
     }
 
+    /// The memory of so many grains that fall and are packed, whatever lies around them.
+    #[must_use]
+    pub fn of_grains(grains: u64) -> Self {
+        let mut cost = Self::default();
+        cost.add_grains(grains as f64, size_of::<QuantisedGrain>() as f64, 0.0);
+        cost
+    }
+
     /// The most memory that is needed at once, bytes.
     #[must_use]
     pub fn peak_bytes(&self) -> u64 {
@@ -97,16 +104,19 @@ impl CostEstimate {
 
     fn add_snow(&mut self, snow: &SnowDescription, grains: f64) {
         let grain = size_of::<QuantisedGrain>() as f64;
-        let (building, falling) = match snow {
+        // What was placed is held once more while it becomes part of the snow.
+        let (held, falling) = match snow {
             SnowDescription::Deposit(settings) => (grain, seconds_to_fall(settings.rule)),
-            SnowDescription::Lattice(_) => (2.0 * grain, 0.0),
-            SnowDescription::Grains(_) => (2.0 * grain, 0.0),
+            SnowDescription::Lattice(_) | SnowDescription::Grains(_) => (2.0 * grain, 0.0),
         };
-        let stacks = (STACK_BYTES_PER_GRAIN - GRID_BYTES_PER_GRAIN).max(0.0);
+        self.add_grains(grains, held, falling);
+    }
+
+    /// Grains that are held in `held` bytes each while they are packed, after `falling` seconds each.
+    fn add_grains(&mut self, grains: f64, held: f64, falling: f64) {
         self.grains = self.grains.saturating_add(grains as u64);
         self.grain_bytes = self.grain_bytes.saturating_add((grains * GRID_BYTES_PER_GRAIN) as u64);
-        self.building_bytes =
-            self.building_bytes.saturating_add((grains * (building + stacks)) as u64);
+        self.building_bytes = self.building_bytes.saturating_add((grains * held) as u64);
         self.build_seconds += grains * (falling + SECONDS_PER_PACKED_GRAIN);
     }
 }

@@ -2,6 +2,8 @@
 
 use snowgrain_film::PixelRect;
 use snowgrain_formats::scene::{Length, MeshUnits, UpAxis};
+use snowgrain_grains::{DepositRule, LatticeKind};
+use snowgrain_render::measure::Incidence;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -132,6 +134,93 @@ pub(super) fn units(name: &str) -> Result<MeshUnits, String> {
 /// An up axis of mesh files.
 pub(super) fn up_axis(name: &str) -> Result<UpAxis, String> {
     UpAxis::from_name(name).ok_or_else(|| "write y or z".into())
+}
+
+/// A grain file to be written.
+pub(super) fn grain_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("ply") => Ok(path),
+        _ => Err("the name must end in .ply".into()),
+    }
+}
+
+/// A finite number, at least 0.
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|n| if n >= 0.0 { Ok(n) } else { Err("write a number from 0 up".into()) })
+}
+
+/// A number between 0 and 1.
+pub(super) fn probability(text: &str) -> Result<f64, String> {
+    match finite(text)? {
+        p if (0.0..=1.0).contains(&p) => Ok(p),
+        _ => Err("write a probability, 0 to 1".into()),
+    }
+}
+
+/// Pixels a degree that FLIP can look at.
+pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
+    match finite(text)? {
+        n if (1.0..=1000.0).contains(&n) => Ok(n),
+        _ => Err("write 1 to 1000; 67 is usual".into()),
+    }
+}
+
+/// An index of refraction.
+pub(super) fn ior(text: &str) -> Result<f64, String> {
+    match finite(text)? {
+        n if (1.0..=4.0).contains(&n) => Ok(n),
+        _ => Err("write 1 to 4; ice has 1.31".into()),
+    }
+}
+
+/// A crystal lattice.
+pub(super) fn lattice(name: &str) -> Result<LatticeKind, String> {
+    Ok(match name {
+        "sc" => LatticeKind::Sc,
+        "bcc" => LatticeKind::Bcc,
+        "fcc" => LatticeKind::Fcc,
+        "hcp" => LatticeKind::Hcp,
+        _ => return Err("write sc, bcc, fcc or hcp".into()),
+    })
+}
+
+/// A rule by which falling grains stop.
+pub(super) fn rule(name: &str) -> Result<DepositRule, String> {
+    Ok(match name {
+        "ray" | "chrisman" => DepositRule::Ray,
+        "stick" => DepositRule::Stick,
+        "roll" => DepositRule::Roll,
+        _ => return Err("write ray, stick or roll".into()),
+    })
+}
+
+/// Two lengths.
+pub(super) fn period(text: &str) -> Result<[f64; 2], String> {
+    let (x, z) = text.split_once(',').ok_or("write two lengths, as 60mm,60mm")?;
+    Ok([length(x)?, length(z)?])
+}
+
+/// Three whole numbers, each at least 1.
+pub(super) fn counts(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok([x, y, z]),
+        _ => Err("write three whole numbers from 1 up, as 32,32,32".into()),
+    }
+}
+
+/// `lambertian`, or an angle from the normal in degrees.
+pub(super) fn incidence(text: &str) -> Result<Incidence, String> {
+    if text == "lambertian" {
+        return Ok(Incidence::Lambertian);
+    }
+    match text.parse() {
+        Ok(zenith_degrees) if (0.0..90.0).contains(&zenith_degrees) => {
+            Ok(Incidence::Collimated { zenith_degrees })
+        }
+        _ => Err("write lambertian, or degrees from the normal, 0 to below 90".into()),
+    }
 }
 
 #[cfg(test)]

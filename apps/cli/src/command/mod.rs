@@ -1,5 +1,8 @@
 //! The commands.
 
+mod compare;
+mod deposit;
+mod measure;
 mod render;
 mod scenes;
 mod schema;
@@ -11,7 +14,10 @@ use crate::failure::Failure;
 pub(crate) fn run(command: &Command) -> Result<u8, Failure> {
     match command {
         Command::Render(arguments) => render::run(arguments),
+        Command::Deposit(arguments) => deposit::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),
+        Command::Compare(arguments) => compare::run(arguments),
+        Command::Measure(arguments) => measure::run(arguments),
         Command::Schema => schema::run(),
     }
 }

@@ -2,7 +2,7 @@
 
 mod pictures;
 
-use crate::arguments::{MachineArguments, RenderArguments};
+use crate::arguments::RenderArguments;
 use crate::budget::{Budget, readable_bytes};
 use crate::failure::Failure;
 use crate::load::{self, LoadedScene};
@@ -11,8 +11,9 @@ use crate::process::{Spent, Stopwatch};
 use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::summary::{BuildTimes, Run, grouped};
+use crate::threads::{pool, threads};
 use pictures::Pictures;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Film, PixelRect};
 use snowgrain_formats::{atomic, scene};
@@ -20,8 +21,6 @@ use snowgrain_render::description::SceneDescription;
 use snowgrain_render::{
     BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render,
 };
-use std::io::Write;
-use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -48,6 +47,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
     let (scene, times) = build(&loaded, &pool, &progress)?;
+    refuse_camera_in_ice(&scene, &loaded)?;
     let settings =
         RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
     let task = Task { arguments, scene: &scene, settings, pool: &pool, started };
@@ -89,21 +89,6 @@ fn crop(arguments: &RenderArguments, scene: &SceneDescription) -> Result<PixelRe
         ))),
         crop => Ok(crop.unwrap_or(whole)),
     }
-}
-
-/// Threads that were asked for, else one for each processor.
-fn threads(machine: &MachineArguments) -> usize {
-    machine.threads.map_or_else(
-        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-        usize::from,
-    )
-}
-
-fn pool(machine: &MachineArguments) -> Result<ThreadPool, Failure> {
-    let threads = threads(machine);
-    ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| {
-        Failure::refused(format!("{threads} threads cannot be started ({error}); use fewer"))
-    })
 }
 
 /// What `--dry-run` prints.
@@ -163,6 +148,19 @@ fn build(
         Ok(scene) => Ok((scene, times)),
         Err(error) => Err(Failure::from(error).of(&loaded.name)),
     }
+}
+
+/// A path that starts in ice would be taken for one in air.
+fn refuse_camera_in_ice(scene: &Scene, loaded: &LoadedScene) -> Result<(), Failure> {
+    let from = loaded.description.camera.from;
+    if !scene.world.grid.is_inside_grain(from) {
+        return Ok(());
+    }
+    let message = format!(
+        "camera.from = [{}, {}, {}]: the camera lies inside a grain of snow; move it out",
+        from.x, from.y, from.z
+    );
+    Err(Failure::bad_input(message).of(&loaded.name))
 }
 
 /// A picture to be rendered.
@@ -245,7 +243,7 @@ impl Task<'_> {
         figures.lines().iter().for_each(|line| progress.note(line));
         if let Some(path) = &self.arguments.report.json_stats {
             let text = output::json(&figures)?;
-            written = written.and(interrupts.while_writing(|| write_text(path, &text)));
+            written = written.and(interrupts.while_writing(|| output::write_text(path, &text)));
         }
         written?;
         let wanted = self.settings.samples.end;
@@ -267,8 +265,4 @@ impl Task<'_> {
             None => Ok(0),
         }
     }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
-    Ok(atomic::write(path, |writer| writer.write_all(text.as_bytes()))?)
 }

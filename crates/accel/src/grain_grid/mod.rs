@@ -11,6 +11,7 @@
 
 mod block;
 mod build;
+mod inside;
 mod lattice_cells;
 mod packed_cells;
 

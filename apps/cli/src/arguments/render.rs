@@ -1,0 +1,68 @@
+//! `snowgrain render` as typed.
+
+use super::values;
+use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size};
+use clap::Args;
+use snowgrain_film::PixelRect;
+use std::time::Duration;
+
+/// Renders a scene.
+///
+/// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
+/// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    snowgrain render snowy-teapot -o teapot.png\n  \
+    snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \
+    snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
+    snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
+    snowgrain render scene.toml --dry-run\n\n\
+    The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
+pub(crate) struct RenderArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+
+    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit; refreshed while it
+    /// renders), .exr (scene-linear, all layers) or .film (the exact sums)
+    #[arg(short, long, value_name = "FILE", required_unless_present = "dry_run")]
+    pub(crate) output: Vec<PictureFile>,
+
+    /// Samples per pixel, instead of the scene's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) spp: Option<u32>,
+
+    /// Seed of the random numbers of light, instead of the scene's
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// Size of the picture in pixels, instead of the scene's
+    #[arg(long, value_name = "WxH")]
+    pub(crate) size: Option<Size>,
+
+    /// Renders only these pixels: columns x0 to x1 - 1, rows y0 to y1 - 1
+    #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop)]
+    pub(crate) crop: Option<PixelRect>,
+
+    /// Brightness of PNG files in stops: +1 doubles it
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
+          value_parser = values::finite)]
+    pub(crate) exposure: f64,
+
+    /// Stops after the pass over the picture that exceeds this time, counted from the start
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    pub(crate) time_limit: Option<Duration>,
+
+    /// Albedos 1, no absorption, uniform light of radiance 1: every pixel must be exactly 1
+    #[arg(long)]
+    pub(crate) furnace: bool,
+
+    /// Estimates grains, memory and time; nothing is made or traced
+    #[arg(long, conflicts_with = "json_stats")]
+    pub(crate) dry_run: bool,
+
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+
+    #[command(flatten)]
+    pub(crate) report: ReportArguments,
+}

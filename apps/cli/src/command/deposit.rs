@@ -1,0 +1,148 @@
+//! `snowgrain deposit`.
+
+use crate::arguments::DepositArguments;
+use crate::budget::Budget;
+use crate::failure::Failure;
+use crate::load;
+use crate::output;
+use crate::process::{self, Stopwatch};
+use crate::progress::Progress;
+use crate::signals::Interrupts;
+use crate::summary::{SnowfallFigures, grouped, snowfalls};
+use serde::Serialize;
+use snowgrain_film::PixelRect;
+use snowgrain_formats::{atomic, write_grains};
+use snowgrain_geometry::Grain;
+use snowgrain_grains::{ICE_DENSITY, PackReport};
+use snowgrain_render::description::SceneDescription;
+use snowgrain_render::{BuildStage, CostEstimate, deposit, surfaces_of};
+
+pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
+    atomic::check_writable_target(&arguments.output)?;
+    if let Some(path) = &arguments.report.json_stats {
+        atomic::check_writable_target(path)?;
+    }
+    let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);
+    let interrupts = Interrupts::watch();
+    let loaded = load::load(&arguments.scene, Vec::new())?;
+    loaded.assumptions.iter().for_each(|line| progress.note(line));
+    let description = &loaded.description;
+    if description.snow.is_empty() {
+        return Err(Failure::bad_input("no [[snow]] in the scene; add one").of(&loaded.name));
+    }
+    // The film is not made.
+    let cost = CostEstimate::of(description, PixelRect::new(0, 0, 1, 1));
+    if let Some(budget) = Budget::of_this_machine(arguments.max_memory) {
+        budget.check(&cost).map_err(|failure| failure.of(&loaded.name))?;
+    }
+    let watch = Stopwatch::start();
+    let snows = description.snow.len();
+    let (field, reports) = deposit(description, &mut |stage| match stage {
+        BuildStage::Surfaces => progress.stage("surfaces"),
+        BuildStage::Snow { index } => {
+            progress.stage(&format!("snow falls ({} of {snows})", index + 1));
+        }
+        BuildStage::Packing => {}
+    })
+    .map_err(|error| Failure::from(error).of(&loaded.name))?;
+    let spent = watch.spent();
+    interrupts.while_writing(|| write_grains(&arguments.output, &field))?;
+    progress.stage("measuring");
+    let lies = lies_on_surface(description, field.quantisation.quantum());
+    let pack = PackReport::of(&field, None, &lies);
+    let figures = Figures::new(&pack, snowfalls(&reports), spent);
+    progress.finish();
+    figures.lines().iter().for_each(|line| progress.note(line));
+    if let Some(path) = &arguments.report.json_stats {
+        let text = output::json(&figures)?;
+        interrupts.while_writing(|| output::write_text(path, &text))?;
+    }
+    Ok(0)
+}
+
+/// Whether a grain touches an object: to a few quanta, since it is rounded to them.
+fn lies_on_surface(description: &SceneDescription, quantum: f64) -> impl Fn(&Grain) -> bool {
+    let surfaces = surfaces_of(description);
+    move |grain| {
+        let mut touched = Vec::new();
+        surfaces.near(grain.center, grain.radius + 3.0 * quantum, &mut touched);
+        !touched.is_empty()
+    }
+}
+
+/// The figures that `--json-stats` holds.
+#[derive(Debug, Serialize)]
+struct Figures {
+    grains: u64,
+    snowfalls: Vec<Option<SnowfallFigures>>,
+    accepted: u64,
+    discarded: u64,
+    missed: u64,
+    /// Between 20 and 80 % of the depth (of the box, along all axes, where there are objects).
+    union_solid_fraction: f64,
+    union_solid_fraction_standard_error: f64,
+    union_density: f64,
+    nominal_solid_fraction: f64,
+    contacts_per_grain: f64,
+    overlaps_per_grain: f64,
+    connected_fraction: f64,
+    deposit_seconds: f64,
+    deposit_cpu_seconds: f64,
+    peak_rss_bytes: Option<u64>,
+    version: &'static str,
+}
+
+impl Figures {
+    fn new(
+        pack: &PackReport,
+        snowfalls: Vec<Option<SnowfallFigures>>,
+        spent: process::Spent,
+    ) -> Self {
+        let sum = |part: fn(&SnowfallFigures) -> u64| snowfalls.iter().flatten().map(part).sum();
+        Self {
+            grains: pack.grains,
+            accepted: sum(|fall| fall.accepted),
+            discarded: sum(|fall| fall.discarded),
+            missed: sum(|fall| fall.missed),
+            snowfalls,
+            union_solid_fraction: pack.union_solid_fraction.mean,
+            union_solid_fraction_standard_error: pack.union_solid_fraction.standard_error,
+            union_density: ICE_DENSITY * pack.union_solid_fraction.mean,
+            nominal_solid_fraction: pack.nominal_solid_fraction,
+            contacts_per_grain: pack.contacts_per_grain,
+            overlaps_per_grain: pack.overlaps_per_grain,
+            connected_fraction: pack.connected_fraction,
+            deposit_seconds: spent.wall,
+            deposit_cpu_seconds: spent.cpu,
+            peak_rss_bytes: process::peak_memory(),
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+
+    fn lines(&self) -> Vec<String> {
+        vec![
+            format!(
+                "{} grains: {} accepted, {} discarded as too steep, {} fell past everything",
+                grouped(self.grains),
+                grouped(self.accepted),
+                grouped(self.discarded),
+                grouped(self.missed),
+            ),
+            format!(
+                "solid fraction {:.4} +- {:.4} (union: {:.1} kg/m3), {:.4} (nominal), in the \
+                 inner 60 % of the box of the grains, objects in it included",
+                self.union_solid_fraction,
+                self.union_solid_fraction_standard_error,
+                self.union_density,
+                self.nominal_solid_fraction,
+            ),
+            format!(
+                "{:.2} contacts and {:.2} overlaps a grain, {:.2} % hang together with the ground",
+                self.contacts_per_grain,
+                self.overlaps_per_grain,
+                100.0 * self.connected_fraction,
+            ),
+            format!("{:.2} s ({:.2} s CPU)", self.deposit_seconds, self.deposit_cpu_seconds),
+        ]
+    }
+}

@@ -1,0 +1,66 @@
+//! Whether a point lies in ice.
+
+use super::block::RADIUS_MASK;
+use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid};
+use snowgrain_math::DVec3;
+
+impl GrainGrid {
+    /// Whether `point`, metres, lies inside a grain.
+    #[must_use]
+    pub fn is_inside_grain(&self, point: DVec3) -> bool {
+        let bounds = self.bounds();
+        let outside = point.cmplt(bounds.min).any() || point.cmpgt(bounds.max).any();
+        if self.grains() == 0 || outside || !point.is_finite() {
+            return false;
+        }
+        let place = self.locate(point);
+        let entry = self.entry(place.cell);
+        if entry == CellEntry::EMPTY_BRICK {
+            return false;
+        }
+        let local = DVec3::from_array(place.local.map(f64::from));
+        self.blocks[entry.blocks()].iter().any(|block| {
+            (0..GRAINS_PER_BLOCK).any(|slot| {
+                let center = [block.x[slot], block.y[slot], block.z[slot]].map(f64::from);
+                let radius = f64::from(block.radius[slot] & RADIUS_MASK);
+                (local - DVec3::from_array(center)).length_squared() < radius * radius
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Surfaces;
+    use snowgrain_geometry::Quantisation;
+    use snowgrain_math::sampler::{PathKey, numbers};
+
+    #[test]
+    fn points_are_inside_as_distances_say() {
+        let quantisation = Quantisation::for_grains(DVec3::ZERO, 0.5);
+        let random = |index, event| numbers(PathKey::new(1, index, 0), event).map(f64::from);
+        let grains: Vec<_> = (0..200)
+            .map(|index| {
+                let center = DVec3::from_array(random(index, 0)) * DVec3::new(6.0, 6.0, 60.0);
+                quantisation.round(center, 0.25 + 0.25 * random(index, 1)[0]).unwrap()
+            })
+            .collect();
+        let grid = GrainGrid::build(quantisation, &grains, &Surfaces::default()).unwrap();
+        let mut inside = 0;
+        for index in 0..20_000 {
+            let point = DVec3::from_array(random(index, 2)) * DVec3::new(9.0, 9.0, 63.0) - 1.5;
+            let depth = grains
+                .iter()
+                .map(|&grain| quantisation.grain(grain))
+                .map(|grain| grain.radius - (point - grain.center).length())
+                .fold(f64::NEG_INFINITY, f64::max);
+            if depth.abs() > 1e-4 {
+                assert_eq!(grid.is_inside_grain(point), depth > 0.0, "{point} {depth}");
+                inside += u32::from(depth > 0.0);
+            }
+        }
+        assert!(inside > 100);
+        assert!(!grid.is_inside_grain(DVec3::NAN));
+    }
+}
