@@ -115,8 +115,8 @@ struct Exits<S: Simd> {
     axis: [M<S>; 3],
     /// Cells that the crossing moves along each axis, if it is crossed.
     cells: [i32x16<S>; 3],
-    /// Whether a whole empty brick is crossed.
-    brick: M<S>,
+    /// Least and greatest move along each axis that is not crossed: within an empty brick, else none.
+    stay: [[i32x16<S>; 2]; 3],
 }
 
 #[inline(always)]
@@ -146,17 +146,17 @@ fn exits<S: Simd>(
         let parallel = d.abs().simd_lt(F::splat(simd, 1.0e-20));
         let t = (forward.select(high, low) - p) / parallel.select(F::splat(simd, 1.0), d);
         let t = parallel.select(F::splat(simd, NOTHING), t);
-        (t, forward.select(above + one, none - below - one))
+        (t, forward.select(above + one, none - below - one), [none - below, above])
     };
-    let (tx, mx) = along(0, position.0, direction.0);
-    let (ty, my) = along(1, position.1, direction.1);
-    let (tz, mz) = along(2, position.2, direction.2);
+    let (tx, mx, sx) = along(0, position.0, direction.0);
+    let (ty, my, sy) = along(1, position.1, direction.1);
+    let (tz, mz, sz) = along(2, position.2, direction.2);
     let x = tx.simd_le(ty) & tx.simd_le(tz);
     let y = !x & ty.simd_le(tz);
     let z = !(x | y);
     let distance = x.select(tx, y.select(ty, tz));
     let distance = distance.simd_gt(zero).select(distance, zero);
-    Exits { distance, axis: [x, y, z], cells: [mx, my, mz], brick }
+    Exits { distance, axis: [x, y, z], cells: [mx, my, mz], stay: [sx, sy, sz] }
 }
 
 /// Applies the answers of the block tests to the paths `at..at + 16`.
@@ -373,7 +373,6 @@ fn move_cells<S: Simd>(
     let margin = F::splat(simd, grid.margin as f32);
     let zero = F::splat(simd, 0.0);
     let none = i32x16::splat(simd, 0);
-    let may_move = !step | exits.brick;
     let mut moved = [before.0, before.1, before.2];
     let centers = [center.0, center.1, center.2];
     for axis in 0..3 {
@@ -381,7 +380,12 @@ fn move_cells<S: Simd>(
         let crossed = step & exits.axis[axis];
         let by_place = ((position[axis] - margin) / side).floor();
         let by_place: i32x16<S> = by_place.to_int();
-        let shift = crossed.select(exits.cells[axis], may_move.select(by_place, none));
+        // A path on an edge of a brick must not be moved back out of it by its other coordinate.
+        let [least, greatest] = exits.stay[axis];
+        let within = by_place.simd_lt(least).select(least, by_place);
+        let within = within.simd_gt(greatest).select(greatest, within);
+        let by_place = step.select(within, by_place);
+        let shift = crossed.select(exits.cells[axis], by_place);
         let shift = active.select(shift, none);
         let forward = exits.cells[axis].simd_gt(none);
         let face = forward.select(margin, margin + side);
