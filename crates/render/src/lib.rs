@@ -15,8 +15,8 @@ pub mod transport;
 pub mod world;
 
 pub use error::RenderError;
-pub use snowgrain_accel::SimdLevel;
 pub use render::{RenderControl, RenderSettings, Rendered, render};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, surfaces_of};
+pub use snowgrain_accel::SimdLevel;
 pub use statistics::Statistics;
 pub use world::World;
