@@ -4,7 +4,11 @@
 //! that end after a few interfaces must, in every number, and all paths must agree in the mean.
 
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
-use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain, TriangleMesh};
+use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain, TriangleMesh, teapot};
+use snowgrain_grains::{
+    Amount, DepositRule, DepositSettings, GrainField, LatticeCell, LatticeKind, LatticeSettings,
+    Radii, Snowfall,
+};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DAffine3, DVec3, Ray, frame};
 use snowgrain_render::World;
@@ -14,30 +18,74 @@ use std::sync::Arc;
 
 const ETA: f64 = 1.31;
 
-/// Rays from a sphere around the scene, aimed at points inside a smaller one.
-fn ray(key: PathKey, center: DVec3, outer: f64, inner: f64) -> Ray {
-    let uniform_ball = |[u, v, w]: [f32; 3]| {
-        let side = frame::cosine_hemisphere(
-            if w < 0.5 { DVec3::Y } else { -DVec3::Y },
-            [f64::from(u), f64::from(v)],
-        );
-        side
-    };
-    let origin = center + uniform_ball(numbers(key, 0)) * outer;
-    let target = center + uniform_ball(numbers(key, 1)) * inner;
-    Ray::new(origin, (target - origin).normalize())
+/// Where the rays of a case come from.
+#[derive(Clone, Copy)]
+enum Starts {
+    /// From a sphere around a point, aimed at points inside a smaller one.
+    Around { center: DVec3, outer: f64, inner: f64 },
+    /// From so far from a grain, aimed at it.
+    AtGrains { distance: f64 },
+    /// Lambertian, on the upper face of periodic snow.
+    FromAbove { height: f64 },
 }
 
-struct Recorder {
-    center: DVec3,
-    outer: f64,
-    inner: f64,
+/// How the grains are packed for the kernels.
+enum Packing {
+    Cells,
+    /// Repeats along x and z with these periods, quanta.
+    Periodic([i64; 2]),
+    /// No cells at all.
+    Lattice(LatticeCell),
+}
+
+struct Case {
+    grains: Vec<QuantisedGrain>,
+    quantisation: Quantisation,
+    objects: Vec<(SurfaceShape, OracleShape, [f32; 3])>,
+    starts: Starts,
+    packing: Packing,
+}
+
+/// A point on the unit sphere.
+fn on_sphere([u, v, w]: [f32; 3]) -> DVec3 {
+    let pole = if w < 0.5 { DVec3::Y } else { -DVec3::Y };
+    frame::cosine_hemisphere(pole, [f64::from(u), f64::from(v)])
+}
+
+/// The first ray of a path, which takes its events 0 and 1.
+fn start(case: &Case, key: PathKey) -> Ray {
+    let (first, second) = (numbers(key, 0), numbers(key, 1));
+    match case.starts {
+        Starts::Around { center, outer, inner } => {
+            let origin = center + on_sphere(first) * outer;
+            let target = center + on_sphere(second) * inner;
+            Ray::new(origin, (target - origin).normalize())
+        }
+        Starts::AtGrains { distance } => {
+            let index = (key.lo as usize) % case.grains.len();
+            let grain = case.quantisation.grain(case.grains[index]);
+            let origin = grain.center + on_sphere(first) * distance;
+            let target = grain.center + on_sphere(second) * (0.99 * grain.radius);
+            Ray::new(origin, (target - origin).normalize())
+        }
+        Starts::FromAbove { height } => {
+            let [x, z] = case.period().expect("the snow is periodic");
+            let [u, v, _] = first.map(f64::from);
+            let [_, a, b] = second.map(f64::from);
+            let direction = frame::cosine_hemisphere(-DVec3::Y, [a, b]);
+            Ray::new(DVec3::new(u * x, height, v * z), direction)
+        }
+    }
+}
+
+struct Recorder<'a> {
+    case: &'a Case,
     next: u64,
     end: u64,
     results: Vec<Option<PathResult>>,
 }
 
-impl PathSource for Recorder {
+impl PathSource for Recorder<'_> {
     type Tag = u64;
 
     fn next_path(&mut self) -> Option<NewPath<u64>> {
@@ -47,7 +95,7 @@ impl PathSource for Recorder {
         let tag = self.next;
         self.next += 1;
         let key = PathKey::new(9, tag, 0);
-        Some(NewPath { tag, ray: ray(key, self.center, self.outer, self.inner), key, event: 2 })
+        Some(NewPath { tag, ray: start(self.case, key), key, event: 2 })
     }
 
     fn finish(&mut self, tag: u64, result: &PathResult) {
@@ -55,40 +103,55 @@ impl PathSource for Recorder {
     }
 }
 
-struct Case {
-    grains: Vec<QuantisedGrain>,
-    quantisation: Quantisation,
-    objects: Vec<(SurfaceShape, OracleShape, [f32; 3])>,
-    center: DVec3,
-    outer: f64,
-    inner: f64,
-}
-
 impl Case {
-    fn new(grains: &[Grain], largest: f64, center: DVec3, outer: f64, inner: f64) -> Self {
+    fn new(grains: &[Grain], largest: f64, starts: Starts) -> Self {
         let quantisation = Quantisation::for_grains(DVec3::ZERO, largest);
         let grains =
             grains.iter().map(|g| quantisation.round(g.center, g.radius).unwrap()).collect();
-        Self { grains, quantisation, objects: Vec::new(), center, outer, inner }
+        Self::of_field(GrainField { quantisation, grains }, starts)
+    }
+
+    fn of_field(field: GrainField, starts: Starts) -> Self {
+        let GrainField { quantisation, grains } = field;
+        Self { grains, quantisation, objects: Vec::new(), starts, packing: Packing::Cells }
+    }
+
+    /// Periods, metres.
+    fn period(&self) -> Option<[f64; 2]> {
+        match self.packing {
+            Packing::Periodic(quanta) => {
+                Some(quanta.map(|q| q as f64 * self.quantisation.quantum()))
+            }
+            Packing::Cells | Packing::Lattice(_) => None,
+        }
     }
 
     fn world(&self) -> World {
         let shapes: Vec<_> =
             self.objects.iter().map(|(s, _, _)| (s.clone(), DAffine3::IDENTITY)).collect();
         let surfaces = Surfaces::new(&shapes);
-        let grid = GrainGrid::build(self.quantisation, &self.grains, &surfaces).unwrap();
-        World { grid, surfaces, albedos: self.objects.iter().map(|o| o.2).collect(), eta: ETA }
+        let quantisation = self.quantisation;
+        let grid = match &self.packing {
+            Packing::Cells => GrainGrid::build(quantisation, &self.grains, &surfaces),
+            Packing::Periodic(period) => {
+                GrainGrid::build_periodic(quantisation, &self.grains, *period)
+            }
+            Packing::Lattice(cell) => {
+                let packed = snowgrain_accel::LatticeCell {
+                    side_quanta: cell.side_quanta,
+                    basis: cell.basis.clone(),
+                    radius_quanta: cell.radius,
+                };
+                GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3])
+            }
+        };
+        let albedos = self.objects.iter().map(|o| o.2).collect();
+        World { grid: grid.unwrap(), surfaces, albedos, eta: ETA }
     }
 
     fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {
-        let mut recorder = Recorder {
-            center: self.center,
-            outer: self.outer,
-            inner: self.inner,
-            next: 0,
-            end: paths,
-            results: vec![None; paths as usize],
-        };
+        let mut recorder =
+            Recorder { case: self, next: 0, end: paths, results: vec![None; paths as usize] };
         transport::trace(&self.world(), level, &mut recorder);
         recorder.results.into_iter().map(Option::unwrap).collect()
     }
@@ -104,7 +167,8 @@ impl Case {
                 albedo: DVec3::from_array(albedo.map(f64::from)),
             })
             .collect();
-        let oracle = Oracle::new(&grains, &surfaces, ETA, Search::Cells);
+        let search = self.period().map_or(Search::Cells, |period| Search::Periodic { period });
+        let oracle = Oracle::new(&grains, &surfaces, ETA, search);
         let unit = self.quantisation.largest_radius();
         let (mut short, mut wrong) = (0u32, 0u32);
         let mut sums = [[0.0f64; 5]; 2];
@@ -112,7 +176,7 @@ impl Case {
         let mut trapped = 0;
         for (tag, fast) in self.trace(SimdLevel::detect(), paths).iter().enumerate() {
             let key = PathKey::new(9, tag as u64, 0);
-            let start = ray(key, self.center, self.outer, self.inner);
+            let start = start(self, key);
             let exact = oracle.trace(start.origin, start.direction, key, 2);
             let (fast_direction, fast_light) = match fast.end {
                 transport::PathEnd::Escaped(ray) => (Some(ray.direction), fast.throughput),
@@ -223,19 +287,25 @@ fn cube_mesh(center: DVec3, half: f64) -> TriangleMesh {
 #[test]
 fn separate_grains_agree_with_the_oracle() {
     let grains = packs::simple_cubic([8, 8, 8], 0.5);
-    Case::new(&grains, 0.5, DVec3::splat(4.0), 12.0, 4.0).agrees_with_oracle(20_000);
+    Case::new(&grains, 0.5, Starts::Around { center: DVec3::splat(4.0), outer: 12.0, inner: 4.0 })
+        .agrees_with_oracle(20_000);
 }
 
 #[test]
 fn overlapping_grains_of_many_sizes_agree_with_the_oracle() {
     let grains = packs::strewn(400, DVec3::splat(6.0), [0.1, 0.9], 3);
-    Case::new(&grains, 0.9, DVec3::splat(3.0), 10.0, 3.0).agrees_with_oracle(20_000);
+    Case::new(&grains, 0.9, Starts::Around { center: DVec3::splat(3.0), outer: 10.0, inner: 3.0 })
+        .agrees_with_oracle(20_000);
 }
 
 #[test]
 fn grains_that_meet_a_mesh_and_a_plane_agree_with_the_oracle() {
     let grains = packs::strewn(300, DVec3::splat(6.0), [0.3, 0.6], 5);
-    let mut case = Case::new(&grains, 0.6, DVec3::splat(3.0), 10.0, 3.0);
+    let mut case = Case::new(
+        &grains,
+        0.6,
+        Starts::Around { center: DVec3::splat(3.0), outer: 10.0, inner: 3.0 },
+    );
     let mesh = cube_mesh(DVec3::new(3.0, 2.5, 3.2), 1.2);
     let triangles = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
     case.objects.push((
@@ -251,10 +321,102 @@ fn grains_that_meet_a_mesh_and_a_plane_agree_with_the_oracle() {
     case.agrees_with_oracle(20_000);
 }
 
+/// A fall of grains of .4 to .6 units.
+fn fall(amount: Amount, rule: DepositRule) -> DepositSettings {
+    DepositSettings {
+        amount,
+        radii: Radii { mean: 0.5, variation: 0.1 },
+        density: None,
+        rule,
+        max_slope_degrees: 80.0,
+        area: None,
+        seed: 4,
+    }
+}
+
+#[test]
+fn a_teapot_under_the_paper_s_deposit_agrees_with_the_oracle() {
+    let mut mesh = teapot::teapot(2);
+    for position in &mut mesh.positions {
+        *position *= 3.0;
+    }
+    let triangles = OracleShape::mesh(&mesh);
+    let mesh = SurfaceShape::Mesh(Arc::new(mesh));
+    let surfaces = Surfaces::new(&[(mesh.clone(), DAffine3::IDENTITY)]);
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, 0.6);
+    let mut snow = Snowfall::on_surfaces(quantisation, &surfaces);
+    snow.deposit(&fall(Amount::Grains(1500), DepositRule::Ray)).unwrap();
+    let starts = Starts::Around { center: DVec3::new(0.0, 6.0, 0.0), outer: 40.0, inner: 9.0 };
+    let mut case = Case::of_field(snow.into_field(), starts);
+    case.objects.push((mesh, triangles, [0.8, 0.3, 0.2]));
+    case.agrees_with_oracle(20_000);
+}
+
+#[test]
+fn every_lattice_without_memory_agrees_with_the_oracle() {
+    for kind in [LatticeKind::Sc, LatticeKind::Bcc, LatticeKind::Fcc, LatticeKind::Hcp] {
+        // Touching, apart, and overlapping.
+        for spacing in [None, Some(1.3), Some(0.85)] {
+            let settings =
+                LatticeSettings { kind, counts: [5, 4, 3], radius: 0.5, spacing, density: None };
+            let quantisation = Quantisation::for_grains(DVec3::ZERO, 0.5);
+            let cell = LatticeCell::new(&settings, &quantisation).unwrap();
+            let grains = cell.grains().collect();
+            let starts = Starts::Around { center: DVec3::splat(2.5), outer: 12.0, inner: 3.0 };
+            let mut case = Case::of_field(GrainField { quantisation, grains }, starts);
+            case.packing = Packing::Lattice(cell);
+            case.agrees_with_oracle(6_000);
+        }
+    }
+}
+
+#[test]
+fn snow_that_repeats_agrees_with_the_oracle() {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, 0.6);
+    for (rule, width) in [(DepositRule::Ray, 7.3), (DepositRule::Stick, 12.0)] {
+        let mut snow = Snowfall::on_level_floor(quantisation, [width, 0.8 * width]).unwrap();
+        snow.deposit(&fall(Amount::Depth(6.0), rule)).unwrap();
+        let period = snow.period().unwrap().map(|p| (p / quantisation.quantum()).round() as i64);
+        let mut case = Case::of_field(snow.into_field(), Starts::FromAbove { height: 20.0 });
+        case.packing = Packing::Periodic(period);
+        case.agrees_with_oracle(15_000);
+    }
+}
+
+/// A period of one cell, in which every grain is its own neighbour on all sides.
+#[test]
+fn a_period_of_one_grain_agrees_with_the_oracle() {
+    let grains = packs::face_centred_cubic_layers(7, 0.5);
+    let mut case = Case::new(&grains, 0.5, Starts::FromAbove { height: 5.5 });
+    let side = (1.0 / case.quantisation.quantum()).round() as i64;
+    case.packing = Packing::Periodic([side; 2]);
+    case.agrees_with_oracle(30_000);
+}
+
+#[test]
+fn grains_far_apart_with_nothing_between_agree_with_the_oracle() {
+    // Heaps of grains that overlap, and single ones, over a box of 2000 radii: nearly all bricks
+    // are empty.
+    let places = packs::strewn(40, DVec3::splat(600.0), [0.3, 0.6], 7);
+    let grains: Vec<Grain> = places
+        .iter()
+        .enumerate()
+        .flat_map(|(index, place)| {
+            let near = packs::strewn(if index % 2 == 0 { 1 } else { 5 }, DVec3::ONE, [0.3, 0.6], 8);
+            near.into_iter().map(|g| Grain { center: g.center + place.center, ..g })
+        })
+        .collect();
+    Case::new(&grains, 0.6, Starts::AtGrains { distance: 300.0 }).agrees_with_oracle(20_000);
+}
+
 #[test]
 fn every_simd_level_gives_the_same_bits() {
     let grains = packs::strewn(300, DVec3::splat(6.0), [0.2, 0.6], 5);
-    let mut case = Case::new(&grains, 0.6, DVec3::splat(3.0), 10.0, 3.0);
+    let mut case = Case::new(
+        &grains,
+        0.6,
+        Starts::Around { center: DVec3::splat(3.0), outer: 10.0, inner: 3.0 },
+    );
     let mesh = cube_mesh(DVec3::splat(3.0), 1.2);
     case.objects.push((
         SurfaceShape::Mesh(Arc::new(mesh)),

@@ -8,7 +8,7 @@ use snowgrain_math::DVec3;
 use snowgrain_optics::{Dielectric, sphere};
 use snowgrain_tests::cube::LatticeCube;
 use snowgrain_tests::packs;
-use snowgrain_tests::reference::{self, SlabRow};
+use snowgrain_tests::reference::{CUBE_RADIANCE, SlabRow, TableLight, slab_rows as rows};
 use snowgrain_tests::slab::{Illumination, Slab, SlabMeasure};
 
 const SIGMAS: f64 = 4.0;
@@ -47,25 +47,33 @@ fn check_row(slab: &Slab, light: Illumination, row: &SlabRow, paths: u64) -> Sla
 
 #[test]
 fn lattice_slabs_under_diffuse_light_obey_the_identities_and_the_reference_table() {
-    for (row, paths) in reference::SIMPLE_CUBIC_LAMBERTIAN.iter().zip([60_000, 30_000, 8_000]) {
-        let slab = Slab::simple_cubic(row.layers, ETA);
+    for row in &rows("sc", TableLight::Lambertian)[..3] {
+        let slab = Slab::simple_cubic(row.layers(), ETA);
+        let paths = paths_through(row.layers());
         check_identities(&slab, &check_row(&slab, Illumination::Lambertian, row, paths));
     }
-    for (row, paths) in reference::FACE_CENTRED_CUBIC_LAMBERTIAN.iter().zip([60_000, 30_000, 8_000])
-    {
-        let slab = Slab::face_centred_cubic(row.layers, ETA);
+    for row in &rows("fcc", TableLight::Lambertian)[..3] {
+        let slab = Slab::face_centred_cubic(row.layers(), ETA);
+        let paths = paths_through(row.layers());
         check_identities(&slab, &check_row(&slab, Illumination::Lambertian, row, paths));
     }
+}
+
+/// About the same work at every depth.
+fn paths_through(layers: u32) -> u64 {
+    u64::from(200_000 / layers).min(60_000)
 }
 
 #[test]
 fn lattice_slabs_lit_straight_down_agree_with_the_reference_table() {
     let down = Illumination::Collimated(-DVec3::Y);
-    for (row, paths) in reference::SIMPLE_CUBIC_NORMAL.iter().zip([30_000, 10_000]) {
-        check_row(&Slab::simple_cubic(row.layers, ETA), down, row, paths);
+    for row in &rows("sc", TableLight::Parallel(1.0))[..2] {
+        let paths = paths_through(row.layers()) / 2;
+        check_row(&Slab::simple_cubic(row.layers(), ETA), down, row, paths);
     }
-    for (row, paths) in reference::FACE_CENTRED_CUBIC_NORMAL.iter().zip([30_000, 10_000]) {
-        check_row(&Slab::face_centred_cubic(row.layers, ETA), down, row, paths);
+    for row in &rows("fcc", TableLight::Parallel(1.0))[..2] {
+        let paths = paths_through(row.layers()) / 2;
+        check_row(&Slab::face_centred_cubic(row.layers(), ETA), down, row, paths);
     }
 }
 
@@ -131,7 +139,7 @@ fn a_cube_lit_all_around_is_visited_pi_n_over_six_times() {
 
 #[test]
 fn a_lattice_cube_under_the_sky_has_the_radiance_of_an_independent_walker() {
-    let (side, radiance) = reference::CUBE_RADIANCE[0];
+    let (side, radiance, _) = CUBE_RADIANCE[0];
     let measure = LatticeCube::new(side, ETA).seen_by_camera(256, 2, 15);
     assert!(measure.radiance.agrees_with(radiance, 0.0005, SIGMAS), "{:?}", measure.radiance);
     assert_eq!(measure.trapped.mean, 0.0);
@@ -142,11 +150,11 @@ fn a_lattice_cube_under_the_sky_has_the_radiance_of_an_independent_walker() {
 #[test]
 #[ignore = "takes a minute"]
 fn long_runs_trap_no_light_and_meet_the_reference_closely() {
-    let row = &reference::SIMPLE_CUBIC_LAMBERTIAN[3];
-    let slab = Slab::simple_cubic(row.layers, ETA);
-    check_identities(&slab, &check_row(&slab, Illumination::Lambertian, row, 40_000));
+    let row = rows("sc", TableLight::Lambertian)[3];
+    let slab = Slab::simple_cubic(row.layers(), ETA);
+    check_identities(&slab, &check_row(&slab, Illumination::Lambertian, &row, 40_000));
 
-    let (side, radiance) = reference::CUBE_RADIANCE[0];
+    let (side, radiance, _) = CUBE_RADIANCE[0];
     let cube = LatticeCube::new(side, ETA).seen_by_camera(256, 40, 16);
     println!("cube {side}: {:?}", cube.radiance);
     assert!(cube.radiance.agrees_with(radiance, 0.0005, 3.0), "{:?}", cube.radiance);

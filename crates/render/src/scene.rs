@@ -151,7 +151,7 @@ fn build_grid(
     Ok((grid, digest))
 }
 
-/// The lattice without memory, where it is whole and no surface crosses it.
+/// The lattice without memory, where it is whole, not too wide, and no surface crosses it.
 fn implicit_lattice(
     settings: &LatticeSettings,
     quantisation: Quantisation,
@@ -165,6 +165,9 @@ fn implicit_lattice(
         basis: cell.basis.clone(),
         radius_quanta: cell.radius,
     };
+    if packed.pieces().is_none() {
+        return Ok(None);
+    }
     let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3])?;
     if !whole || (!surfaces.is_empty() && surfaces.may_cross(&grid.bounds())) {
         return Ok(None);

@@ -42,16 +42,38 @@ pub(super) fn overlaps(a: [i32; 3], radius_a: u16, b: [i32; 3], radius_b: u16) -
     sum > 0 && distance2 < sum * sum
 }
 
+/// Longest edge of a cell, quanta, such that every grain that reaches into it (and none is larger
+/// than `margin`) has 16-bit coordinates in cell quanta.
+pub(super) fn longest_side(margin: i32) -> i32 {
+    i32::from(u16::MAX) - 2 * margin - 2 * PAD
+}
+
 /// Edge of the cells in quanta: [`SIDE_IN_RADII`] radii of the grain of mean volume, at least what
 /// keeps a grain within its neighbours' cells, at most what 16 bits hold.
 fn choose_side(grains: &[QuantisedGrain], margin: i32) -> i32 {
-    let most = i32::from(u16::MAX) - 2 * margin - 2 * PAD;
     let cubes: f64 = grains
         .iter()
         .map(|g| f64::from(g.radius) * f64::from(g.radius) * f64::from(g.radius))
         .sum();
     let mean_radius = (cubes / grains.len().max(1) as f64).cbrt();
-    ((SIDE_IN_RADII * mean_radius) as i32).clamp(margin.max(1), most.max(1))
+    ((SIDE_IN_RADII * mean_radius) as i32).clamp(margin.max(1), longest_side(margin).max(1))
+}
+
+/// A period is cut into at most this many times the cells that it would have if they could have any
+/// edge.
+const MOST_PERIODIC_CELLS: i64 = 8;
+
+/// Into how many equal cells a period is cut: their edge divides it, is at most `longest`, and near
+/// to `side`, better a little below than above.
+fn periodic_cells(length: i64, side: i32, longest: i32) -> Result<i64, GridError> {
+    let at_most = |edge: i32| ((length + i64::from(edge) - 1) / i64::from(edge)).max(1);
+    let (wanted, least) = (at_most(side), at_most(longest));
+    let divides = |n: &i64| length % n == 0;
+    (wanted..=2 * wanted)
+        .find(divides)
+        .or_else(|| (least..wanted).rev().find(divides))
+        .or_else(|| (2 * wanted..=MOST_PERIODIC_CELLS * wanted).find(divides))
+        .ok_or(GridError::BadPeriod)
 }
 
 struct Layout {
@@ -87,9 +109,7 @@ fn lay_out(
             if length <= i64::from(margin) {
                 return Err(GridError::BadPeriod);
             }
-            // The largest edge not above the wanted one that divides the period.
-            let cells = (length / i64::from(side)).max(1);
-            let cells = (cells..).find(|n| length % n == 0).ok_or(GridError::BadPeriod)?;
+            let cells = periodic_cells(length, side, longest_side(margin))?;
             layout.first[axis] = 0;
             layout.periodic[axis] = true;
             layout.side[axis] = (length / cells) as i32;

@@ -2,7 +2,7 @@
 //! those of neighbours that lie outside the block of crystal.
 
 use super::block::OVERLAPS;
-use super::build::{overlaps, reaches_cell};
+use super::build::{longest_side, overlaps, reaches_cell};
 use super::{Block, CellEntry, GRAINS_PER_BLOCK, GridError};
 use snowgrain_geometry::Quantisation;
 
@@ -17,36 +17,69 @@ pub struct LatticeCell {
     pub radius_quanta: u16,
 }
 
-/// One entry for each of the 8 x 8 x 8 combinations of "has a lower neighbour, is inside, has an
-/// upper neighbour" along the three axes.
+impl LatticeCell {
+    /// Halvings of the cell along each axis after which coordinates around a piece fit 16 bits:
+    /// none where the cell is narrow, one for the tightest lattices. `None` where an edge of such a
+    /// piece would not be a whole number of quanta (a lattice of grains far apart).
+    #[must_use]
+    pub fn pieces(&self) -> Option<[u32; 3]> {
+        let longest = longest_side(i32::from(self.radius_quanta));
+        let mut pieces = [0; 3];
+        for (axis, &side) in self.side_quanta.iter().enumerate() {
+            while side >> pieces[axis] > longest {
+                pieces[axis] += 1;
+            }
+            if side >> pieces[axis] << pieces[axis] != side || pieces[axis] > MOST_HALVINGS {
+                return None;
+            }
+        }
+        Some(pieces)
+    }
+}
+
+/// Halvings of a cell along an axis: beyond them a table costs more than packing the grains.
+const MOST_HALVINGS: u32 = 2;
+
+/// For every piece of a cell, one entry for each of the 8 x 8 x 8 combinations of "the cell has a
+/// lower neighbour, is inside, has an upper neighbour" along the three axes.
 #[derive(Debug)]
 pub struct LatticeCells {
-    table: Box<[CellEntry; 512]>,
+    table: Box<[CellEntry]>,
+    /// Halvings of a conventional cell along each axis.
+    pieces: [u32; 3],
     /// Conventional cells along each axis; 0 where periodic.
     counts: [i32; 3],
 }
 
 impl LatticeCells {
-    /// The table, its blocks, and the cells of the grid: one layer more than the crystal on each
-    /// side of an axis that does not repeat.
+    /// The table, its blocks, and the cells of the grid, which are the pieces of the conventional
+    /// ones: with one conventional layer more than the crystal on each side of an axis that does
+    /// not repeat.
     pub(crate) fn new(
         quantisation: Quantisation,
         cell: &LatticeCell,
+        pieces: [u32; 3],
         counts: [u32; 3],
         periodic: [bool; 3],
     ) -> Result<(Self, Vec<Block>, [i32; 3]), GridError> {
         let mut blocks = vec![Block::EMPTY];
-        let mut table = Box::new([CellEntry::EMPTY; 512]);
+        let mut table = vec![CellEntry::EMPTY; COMBINATIONS << (pieces[0] + pieces[1] + pieces[2])];
         let overlapping = basis_overlaps(cell);
-        for (combination, entry) in table.iter_mut().enumerate() {
-            let masks = [combination & 7, combination >> 3 & 7, combination >> 6 & 7];
-            let grains = grains_of(cell, masks);
+        for (index, entry) in table.iter_mut().enumerate() {
+            let masks = [index & 7, index >> 3 & 7, index >> 6 & 7];
+            let mut rest = index / COMBINATIONS;
+            let piece = pieces.map(|halvings| {
+                let along = rest & ((1 << halvings) - 1);
+                rest >>= halvings;
+                along as i32
+            });
+            let grains = grains_of(cell, pieces, piece, masks);
             let needed = grains.len().div_ceil(GRAINS_PER_BLOCK);
             if needed > CellEntry::MAX_BLOCKS_PER_CELL {
                 return Err(GridError::CrowdedCell {
                     count: grains.len(),
                     most: CellEntry::MAX_BLOCKS_PER_CELL * GRAINS_PER_BLOCK,
-                    side: f64::from(cell.side_quanta[0]) * quantisation.quantum(),
+                    side: f64::from(cell.side_quanta[0] >> pieces[0]) * quantisation.quantum(),
                 });
             }
             if grains.is_empty() {
@@ -63,33 +96,48 @@ impl LatticeCells {
             }
         }
         let inner = counts.map(|n| n as i32);
-        let cells = std::array::from_fn(|axis| inner[axis] + if periodic[axis] { 0 } else { 2 });
+        let cells = std::array::from_fn(|axis| {
+            (inner[axis] + if periodic[axis] { 0 } else { 2 }) << pieces[axis]
+        });
         let counts = std::array::from_fn(|axis| if periodic[axis] { 0 } else { inner[axis] });
-        Ok((Self { table, counts }, blocks, cells))
+        Ok((Self { table: table.into_boxed_slice(), pieces, counts }, blocks, cells))
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        size_of_val(self.table.as_slice())
+        size_of_val(&*self.table)
     }
 
     #[inline(always)]
     pub(crate) fn entry(&self, cell: [i32; 3]) -> CellEntry {
-        // The grid's cell 0 lies below the crystal's cell 0.
+        // The grid's conventional cell 0 lies below the crystal's cell 0.
         let mask = |axis: usize| {
-            let (c, n) = (cell[axis], self.counts[axis]);
+            let (c, n) = (cell[axis] >> self.pieces[axis], self.counts[axis]);
             if n == 0 {
                 return 7;
             }
             usize::from(c >= 2) | usize::from(c >= 1 && c <= n) << 1 | usize::from(c < n) << 2
         };
-        self.table[mask(0) | mask(1) << 3 | mask(2) << 6]
+        let piece = |axis: usize| (cell[axis] & ((1 << self.pieces[axis]) - 1)) as usize;
+        let [x, y, _] = self.pieces;
+        let piece = piece(0) | piece(1) << x | piece(2) << (x + y);
+        self.table[mask(0) | mask(1) << 3 | mask(2) << 6 | piece * COMBINATIONS]
     }
 }
 
-/// The grains of a cell and of those of its neighbours that the masks allow which reach into it.
-fn grains_of(cell: &LatticeCell, masks: [usize; 3]) -> Vec<[u16; 3]> {
+/// Entries of one piece.
+const COMBINATIONS: usize = 512;
+
+/// The grains of a cell and of those of its neighbours that the masks allow which reach into the
+/// piece of it, in cell quanta of that piece.
+fn grains_of(
+    cell: &LatticeCell,
+    pieces: [u32; 3],
+    piece: [i32; 3],
+    masks: [usize; 3],
+) -> Vec<[u16; 3]> {
     let mut found = Vec::new();
     let margin = i32::from(cell.radius_quanta);
+    let side: [i32; 3] = std::array::from_fn(|axis| cell.side_quanta[axis] >> pieces[axis]);
     for neighbour in 0..27 {
         let step = [neighbour % 3, neighbour / 3 % 3, neighbour / 9];
         if (0..3).any(|axis| masks[axis] >> step[axis] & 1 == 0) {
@@ -97,9 +145,10 @@ fn grains_of(cell: &LatticeCell, masks: [usize; 3]) -> Vec<[u16; 3]> {
         }
         for basis in &cell.basis {
             let center: [i32; 3] = std::array::from_fn(|axis| {
-                basis[axis] + (step[axis] as i32 - 1) * cell.side_quanta[axis]
+                let cells_away = step[axis] as i32 - 1;
+                basis[axis] + cells_away * cell.side_quanta[axis] - piece[axis] * side[axis]
             });
-            if reaches_cell(center, cell.radius_quanta, cell.side_quanta) {
+            if reaches_cell(center, cell.radius_quanta, side) {
                 found.push(center.map(|c| (c + margin) as u16));
             }
         }

@@ -48,9 +48,14 @@ pub enum GridError {
         /// Most that can be numbered.
         most: usize,
     },
-    /// A period is not positive or has less than one cell.
-    #[error("the period of the snow must be larger than the largest grain")]
+    /// A period is not positive or cannot be cut into equal cells of a grain's size.
+    #[error(
+        "the period of the snow must be larger than the largest grain, and a multiple of a length of one to three of its radii in whole quanta"
+    )]
     BadPeriod,
+    /// A lattice so wide that its cells cannot be cut into pieces that hold 16-bit coordinates.
+    #[error("the cells of the lattice are too wide; pack its grains one by one")]
+    WideLattice,
     /// The box of the grains is too large for its cells to be numbered.
     #[error(
         "the snow spreads over {bricks} bricks of cells, more than can be numbered: bring it closer together or use larger grains"
@@ -239,8 +244,9 @@ impl GrainGrid {
     }
 
     /// Packs grains that repeat along x and z with the given periods (quanta), over no surfaces.
-    /// Grains must lie in `0..period`; the periods must be multiples of the cells, see
-    /// [`GrainGrid::periodic_cells`].
+    /// Grains must lie in `0..period`, and each period must be a multiple of some length of one to
+    /// three radii of the largest grain in whole quanta, so that equal cells fill it (the period of
+    /// a periodic floor is).
     ///
     /// # Errors
     /// Snow whose sizes or extent do not fit the structure.
@@ -257,7 +263,7 @@ impl GrainGrid {
     /// along an axis.
     ///
     /// # Errors
-    /// A cell that holds too many grains.
+    /// A cell that holds too many grains, or that is too wide ([`LatticeCell::pieces`]).
     pub fn lattice(
         quantisation: Quantisation,
         cell: &LatticeCell,
@@ -265,16 +271,18 @@ impl GrainGrid {
         first: [i32; 3],
         periodic: [bool; 3],
     ) -> Result<Self, GridError> {
-        let (storage, blocks, cells) = LatticeCells::new(quantisation, cell, counts, periodic)?;
+        let pieces = cell.pieces().ok_or(GridError::WideLattice)?;
+        let (storage, blocks, cells) =
+            LatticeCells::new(quantisation, cell, pieces, counts, periodic)?;
         let per_cell = cell.basis.len() as u64;
         Ok(Self {
             quantisation,
-            // One layer of cells below the first holds what protrudes from it.
+            // One layer of conventional cells below the first holds what protrudes from it.
             first: std::array::from_fn(|axis| {
                 let below = if periodic[axis] { 0 } else { i64::from(cell.side_quanta[axis]) };
                 i64::from(first[axis]) - below
             }),
-            side: cell.side_quanta,
+            side: std::array::from_fn(|axis| cell.side_quanta[axis] >> pieces[axis]),
             cells,
             periodic,
             margin: i32::from(cell.radius_quanta),
