@@ -13,8 +13,9 @@ use serde::Serialize;
 use snowgrain_film::PixelRect;
 use snowgrain_formats::{atomic, write_grains};
 use snowgrain_geometry::Grain;
+use snowgrain_grains::measures::Extent;
 use snowgrain_grains::{ICE_DENSITY, PackReport};
-use snowgrain_render::description::SceneDescription;
+use snowgrain_render::description::{SceneDescription, SnowDescription};
 use snowgrain_render::{BuildStage, CostEstimate, deposit, surfaces_of};
 
 pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
@@ -49,7 +50,7 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     interrupts.while_writing(|| write_grains(&arguments.output, &field))?;
     progress.stage("measuring");
     let lies = lies_on_surface(description, field.quantisation.quantum());
-    let pack = PackReport::of(&field, None, &lies);
+    let pack = PackReport::of(&field, extent_of(description), &lies);
     let figures = Figures::new(&pack, snowfalls(&reports), spent);
     progress.finish();
     figures.lines().iter().for_each(|line| progress.note(line));
@@ -58,6 +59,15 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
         interrupts.while_writing(|| output::write_text(path, &text))?;
     }
     Ok(0)
+}
+
+/// Where the solid fraction of a scene's snow is measured.
+fn extent_of(description: &SceneDescription) -> Extent {
+    if description.snow.iter().all(|snow| matches!(snow, SnowDescription::Lattice(_))) {
+        Extent::Block
+    } else {
+        Extent::Draped
+    }
 }
 
 /// Whether a grain touches an object: to a few quanta, since it is rounded to them.
