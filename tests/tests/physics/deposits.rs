@@ -35,9 +35,10 @@ fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettin
 /// gets a floor of 240 r: a right program then misses .006 about once in 400 seeds.
 #[test]
 fn deep_piles_fill_as_much_as_independent_programs_found() {
-    for (rule, grains, depth, expected) in
-        [(DepositRule::Ray, 480_000, 280.0, 0.414), (DepositRule::Stick, 245_000, 460.0, 0.147)]
-    {
+    for (rule, width, grains, depth, expected) in [
+        (DepositRule::Ray, 240.0, 1_870_000, 280.0, 0.414),
+        (DepositRule::Stick, 120.0, 241_000, 460.0, 0.147),
+    ] {
         let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
         let mut snow = Snowfall::on_level_floor(quantisation, [width * R; 2]).unwrap();
         snow.deposit(&fall(rule, grains, None)).unwrap();
