@@ -3,6 +3,7 @@
 use crate::camera::PinholeCamera;
 use crate::oracle::Oracle;
 use crate::statistics::{Estimate, estimate};
+use rayon::prelude::*;
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, trig};
 
@@ -38,6 +39,12 @@ impl Picture<'_> {
             return (self.backdrop)(direction);
         }
         path.throughput * (self.light)(direction) * trig::exp(-self.absorption * path.ice_length)
+    }
+
+    /// The radiance of the same sample of these pixels.
+    #[must_use]
+    pub fn samples(&self, pixels: &[u32], sample: u64) -> Vec<DVec3> {
+        pixels.par_iter().map(|&pixel| self.sample(pixel, sample)).collect()
     }
 
     /// Mean radiance (red, green, blue) of these pixels, `samples` each.

@@ -1,0 +1,184 @@
+//! Same input, same bits: pixels depend on the scene, the seed and the sample indices alone.
+//!
+//! Films are compared as the bytes of their files, so that every sum counts, not only what a
+//! picture shows of it.
+
+mod golden;
+
+use snowgrain_accel::SimdLevel;
+use snowgrain_film::{Film, FilmIdentity, PixelRect};
+use snowgrain_formats::scene::{Loader, SceneFile, resolve};
+use snowgrain_formats::{read_film, read_grains, write_film, write_grains};
+use snowgrain_math::sampler::split_mix;
+use snowgrain_render::description::{SceneDescription, SnowDescription};
+use snowgrain_render::{RenderControl, RenderSettings, Scene, render};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64};
+
+/// The scenes: a lattice, a mesh buried in overlapping grains with absorption, and layers of many
+/// sizes on round and flat objects.
+const SCENES: [&str; 3] = ["lattice", "buried", "layers"];
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data/golden").join(name)
+}
+
+fn description(name: &str) -> SceneDescription {
+    let file = SceneFile::read(&data(&format!("{name}.toml")), &[]).unwrap();
+    let loader = Loader {
+        mesh: &mut |_| Err("these scenes refer to no mesh".into()),
+        grains: &mut |_| Err("nor to grains".into()),
+    };
+    resolve(&file, loader).unwrap()
+}
+
+fn build(description: &SceneDescription) -> Scene {
+    Scene::build(description, &mut |_| ()).unwrap()
+}
+
+fn whole(scene: &Scene) -> PixelRect {
+    PixelRect::new(0, 0, scene.film.width, scene.film.height)
+}
+
+fn all_samples(scene: &Scene) -> Range<u64> {
+    0..u64::from(scene.film.samples_per_pixel)
+}
+
+fn part(scene: &Scene, samples: Range<u64>, crop: PixelRect, level: SimdLevel) -> Film {
+    let (stop, samples_done) = (AtomicBool::new(false), AtomicU64::new(0));
+    let mut control =
+        RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &mut |_| () };
+    render(scene, &RenderSettings { samples, crop, level }, &mut control).unwrap().film
+}
+
+fn film(scene: &Scene) -> Film {
+    part(scene, all_samples(scene), whole(scene), SimdLevel::detect())
+}
+
+/// The bytes of the film's file.
+fn bytes(film: &Film) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.film");
+    write_film(&path, film).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+/// A fixed random order of `count` things.
+fn shuffled(count: usize, seed: u64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by_key(|&index| split_mix(seed ^ split_mix(index as u64)));
+    order
+}
+
+#[test]
+fn threads_change_nothing() {
+    for name in SCENES {
+        let description = description(name);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| bytes(&film(&build(&description))))
+        };
+        let one = on(1);
+        for threads in [2, 7] {
+            assert!(on(threads) == one, "{name}: {threads} threads differ from one");
+        }
+    }
+}
+
+#[test]
+fn simd_levels_change_nothing() {
+    for name in SCENES {
+        let scene = build(&description(name));
+        let expected = bytes(&film(&scene));
+        for level in SimdLevel::available() {
+            let film = part(&scene, all_samples(&scene), whole(&scene), level);
+            assert!(bytes(&film) == expected, "{name}: {level} differs");
+        }
+    }
+}
+
+/// Cuts of the picture into rectangles, until each is small or chance lets it be.
+fn cut(rect: PixelRect, word: u64, cuts: &mut Vec<PixelRect>) {
+    let (width, height) = (rect.width(), rect.height());
+    if width.max(height) < 4 || word.is_multiple_of(5) && width.max(height) < 20 {
+        cuts.push(rect);
+        return;
+    }
+    let (mut first, mut second) = (rect, rect);
+    let at = |length: u32| 1 + (word >> 8) as u32 % (length - 1);
+    if width > height {
+        first.x1 = rect.x0 + at(width);
+        second.x0 = first.x1;
+    } else {
+        first.y1 = rect.y0 + at(height);
+        second.y0 = first.y1;
+    }
+    cut(first, split_mix(word), cuts);
+    cut(second, split_mix(word ^ 1), cuts);
+}
+
+#[test]
+fn crops_in_any_order_are_the_whole_picture() {
+    for name in SCENES {
+        let scene = build(&description(name));
+        let expected = film(&scene);
+        let mut crops = Vec::new();
+        cut(whole(&scene), 17, &mut crops);
+        assert!(crops.len() > 20);
+        let mut seen = 0;
+        for index in shuffled(crops.len(), 3) {
+            let crop = crops[index];
+            let film = part(&scene, all_samples(&scene), crop, SimdLevel::detect());
+            for (index, pixel) in film.pixels().iter().enumerate() {
+                let (x, y) = crop.pixel(index);
+                let full = expected.pixels()[whole(&scene).index(x, y).unwrap()];
+                assert!(*pixel == full, "{name}: pixel ({x}, {y}) of the crop {crop}");
+                seen += 1;
+            }
+        }
+        assert_eq!(seen, expected.pixels().len());
+    }
+}
+
+#[test]
+fn sample_ranges_rendered_apart_merge_in_any_order() {
+    for name in SCENES {
+        let scene = build(&description(name));
+        let (samples, level) = (0..11u64, SimdLevel::detect());
+        let expected = part(&scene, samples, whole(&scene), level);
+        let ranges = [0..1u64, 1..2, 2..5, 5..9, 9..11];
+        for seed in 0..3 {
+            let identity = FilmIdentity { scene_hash: scene.hash, seed: scene.film.seed };
+            let (width, height) = (scene.film.width, scene.film.height);
+            let mut merged = Film::new(width, height, whole(&scene), identity).unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            for index in shuffled(ranges.len(), seed) {
+                let film = part(&scene, ranges[index].clone(), whole(&scene), level);
+                let path = folder.path().join(format!("{index}.film"));
+                write_film(&path, &film).unwrap();
+                merged.merge(&read_film(&path).unwrap()).unwrap();
+            }
+            assert!(bytes(&merged) == bytes(&expected), "{name}: order {seed}");
+        }
+    }
+}
+
+#[test]
+fn grains_written_and_read_back_give_the_same_pixels() {
+    for name in ["buried", "layers"] {
+        let fallen = description(name);
+        let (field, _) = snowgrain_render::deposit(&fallen, &mut |_| ()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grains.ply");
+        write_grains(&path, &field).unwrap();
+        let back = read_grains(&path).unwrap();
+        assert!(back == field, "{name}: the grains differ");
+        let snow = vec![SnowDescription::Grains(Arc::new(back))];
+        let placed = SceneDescription { snow, ..fallen.clone() };
+        let (fallen, placed) = (build(&fallen), build(&placed));
+        assert_eq!(fallen.hash, placed.hash, "{name}: the scene's hash is over its content");
+        assert!(bytes(&film(&fallen)) == bytes(&film(&placed)), "{name}: the pixels differ");
+    }
+}
