@@ -195,7 +195,7 @@ impl TileSource<'_> {
                 let ice = if ice == 0.0 { 1.0 } else { trig::exp(ice) as f32 };
                 std::array::from_fn(|c| light[c] * path.throughput[c] * ice)
             }
-            (PathEnd::Absorbed | PathEnd::Trapped, _) => [0.0; 3],
+            (PathEnd::Absorbed, _) => [0.0; 3],
         };
         match path.first_hit {
             None => Sample { radiance, alpha: 0.0, depth: f32::INFINITY, ..Sample::default() },

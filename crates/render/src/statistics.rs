@@ -1,6 +1,6 @@
 //! Counts of what light did.
 
-use crate::transport::{PathEnd, PathResult};
+use crate::transport::PathResult;
 
 /// Counts over many paths; adding is exact, so they do not depend on threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct Statistics {
     pub grain_visits: u64,
     /// Diffuse bounces off objects.
     pub surface_bounces: u64,
-    /// Paths ended by the guard against circling in ice.
+    /// Paths that the guard against endless circling in ice let out.
     pub trapped_paths: u64,
     /// Straight stretches: one from the start, one after every interface and bounce.
     pub rays: u64,
@@ -29,7 +29,7 @@ impl Statistics {
         self.interface_events += u64::from(path.interface_events);
         self.grain_visits += u64::from(path.grain_visits);
         self.surface_bounces += u64::from(path.surface_bounces);
-        self.trapped_paths += u64::from(path.end == PathEnd::Trapped);
+        self.trapped_paths += u64::from(path.releases > 0);
         self.rays += 1 + u64::from(path.interface_events) + u64::from(path.surface_bounces);
     }
 

@@ -23,10 +23,11 @@ use update::Ice;
 
 use crate::grain_grid::GridPosition;
 
-/// A path that stays in one body of ice for more interfaces than this is counted as trapped and
-/// ended: no such orbit can have been entered from outside, so it points to an error, and the guard
-/// keeps it from hanging the render. Not a bounce cap: time in air starts the count anew.
-pub const MAX_TURNS_IN_ICE: u32 = 100_000;
+/// A path that stays in one body of ice for more interfaces than this is counted as trapped. Not a
+/// bounce cap: time in air starts the count anew. Total reflection can hold light in overlapping
+/// grains for very long (an orbit that was entered also leaves, but by the narrow lens through which
+/// it came); about one path in 10^6 of the paper's deposit stays for 10^5 turns.
+pub const MAX_TURNS_IN_ICE: u32 = 1_000_000;
 
 /// Why a path stands still.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +110,25 @@ impl<'a> Flight<'a> {
         lanes.turns[lane] = 0;
         lanes.mode[lane] = mode::PAUSED;
         self.left[lane] = None;
+    }
+
+    /// Lets the path of `lane`, which circles in ice, leave where it stands along `direction`, its
+    /// next random event being `event`.
+    pub fn release(&mut self, lane: usize, direction: DVec3, event: u32) {
+        let lanes = &mut self.lanes;
+        lanes.direction.set(lane, unit_f32(direction));
+        lanes.event[lane] = event;
+        lanes.turns[lane] = 0;
+        lanes.mode[lane] = mode::AIR;
+        round::settle(self, lane);
+    }
+
+    /// Outward unit normal of the grain that the path of `lane` is in, at the end of its chord.
+    #[must_use]
+    pub fn outward(&self, lane: usize) -> DVec3 {
+        let position = DVec3::from_array(self.lanes.position.get(lane).map(f64::from));
+        let center = DVec3::from_array(self.lanes.grain.get(lane).map(f64::from));
+        (position - center).normalize()
     }
 
     /// Puts the path of `lane` into the grid: in air at `place`, along the unit vector

@@ -23,7 +23,7 @@ pub struct BodyMeasure {
     pub upward: Estimate,
     /// Paths that met no grain.
     pub missed: u64,
-    /// Paths ended by the guard.
+    /// Paths that the guard against endless circling in ice let out.
     pub trapped_paths: u64,
 }
 
@@ -104,7 +104,7 @@ impl PathSource for BodySource<'_> {
         let up = matches!(path.end, PathEnd::Escaped(ray) if ray.direction.y > 0.0);
         sums.upward.add(f64::from(u8::from(up)));
         sums.missed += u64::from(path.grain_visits == 0);
-        sums.trapped += u64::from(path.end == PathEnd::Trapped);
+        sums.trapped += u64::from(path.releases > 0);
     }
 }
 

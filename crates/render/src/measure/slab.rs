@@ -63,7 +63,7 @@ pub struct SlabMeasure {
     pub visits_histogram: Vec<f64>,
     /// Reflected fraction by grain visits, same bins.
     pub reflected_by_visits: Vec<f64>,
-    /// Paths ended by the guard.
+    /// Paths that the guard against endless circling in ice let out.
     pub trapped_paths: u64,
 }
 
@@ -206,9 +206,9 @@ impl PathSource for SlabSource<'_> {
                 let face = if up { settings.top } else { settings.bottom };
                 beyond = (ray.origin.y - face) / ray.direction.y;
             }
-            PathEnd::Trapped => sums.trapped += 1,
             PathEnd::Absorbed => {}
         }
+        sums.trapped += u64::from(path.releases > 0);
         sums.reflected.add(reflected);
         sums.transmitted.add(transmitted);
         sums.visits.add(f64::from(path.grain_visits));

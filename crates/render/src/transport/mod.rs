@@ -33,9 +33,6 @@ pub enum PathEnd {
     Escaped(Ray),
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
-    /// The guard against endless circling in ice ended it; counted, see
-    /// `snowgrain_accel::flight::MAX_TURNS_IN_ICE`.
-    Trapped,
 }
 
 /// What a path met first.
@@ -66,6 +63,9 @@ pub struct PathResult {
     pub interface_events: u32,
     /// Diffuse bounces.
     pub surface_bounces: u32,
+    /// Times that the guard against endless circling in ice let the path out, in a diffuse direction
+    /// and without loss (`snowgrain_accel::flight::MAX_TURNS_IN_ICE`); 0 but for one path in millions.
+    pub releases: u32,
     /// What it met first, if anything.
     pub first_hit: Option<FirstHit>,
 }

@@ -15,6 +15,7 @@ struct Walker<Tag> {
     start_event: u32,
     throughput: [f32; 3],
     surface_bounces: u32,
+    releases: u32,
     first_hit: Option<FirstHit>,
 }
 
@@ -59,6 +60,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 start_event: event,
                 throughput: [1.0; 3],
                 surface_bounces: 0,
+                releases: 0,
                 first_hit: None,
             });
             self.flight.launch(lane, key, event);
@@ -96,7 +98,10 @@ impl<Tag: Copy> Walk<'_, Tag> {
         source: &mut Source,
     ) {
         let end = match event {
-            FlightEvent::Trapped => Some(PathEnd::Trapped),
+            FlightEvent::Trapped => {
+                self.release(lane);
+                None
+            }
             FlightEvent::Left => {
                 let ray = self.flight.ray(lane);
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
@@ -153,6 +158,19 @@ impl<Tag: Copy> Walk<'_, Tag> {
         }
     }
 
+    /// Lets a path that circles in ice out of the grain where it stands. It has lost nothing, and
+    /// would have come out in some direction: any choice that is independent of where the light is
+    /// keeps the balance of energy, which ending the path would not.
+    fn release(&mut self, lane: usize) {
+        let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
+        walker.releases += 1;
+        let event = self.flight.travelled(lane).event;
+        let [_, u, v] = numbers(walker.key, event);
+        let outward = self.flight.outward(lane);
+        let direction = frame::cosine_hemisphere(outward, [f64::from(u), f64::from(v)]);
+        self.flight.release(lane, direction, event + 1);
+    }
+
     /// A diffuse bounce at `position`: the next ray, or `None` where the path ends.
     fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Option<Ray> {
         let event = self.flight.travelled(lane).event;
@@ -204,8 +222,12 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 ice_length: travelled.ice_length,
                 air_length: travelled.air_length,
                 grain_visits: travelled.grain_visits,
-                interface_events: travelled.event - walker.start_event - walker.surface_bounces,
+                interface_events: travelled.event
+                    - walker.start_event
+                    - walker.surface_bounces
+                    - walker.releases,
                 surface_bounces: walker.surface_bounces,
+                releases: walker.releases,
                 first_hit,
             },
         );
