@@ -48,27 +48,27 @@ impl Wide {
         if shift > 128 + mantissa.leading_zeros() {
             return None;
         }
-        let (limb, bit) = ((shift / 64) as usize, shift % 64);
-        let spread = u128::from(mantissa) << bit;
-        let mut limbs = [0; 3];
-        limbs[limb] = spread as u64;
-        if limb < 2 {
-            limbs[limb + 1] = (spread >> 64) as u64;
-        }
-        Some(Self(limbs))
+        let spread = u128::from(mantissa) << (shift % 64);
+        let (low, high) = (spread as u64, (spread >> 64) as u64);
+        Some(match shift / 64 {
+            0 => Self([low, high, 0]),
+            1 => Self([0, low, high]),
+            _ => Self([0, 0, low]),
+        })
     }
 
-    /// The sum; `None` where it does not fit.
-    pub(crate) fn checked_add(self, other: Self) -> Option<Self> {
-        let mut sum = [0; 3];
-        let mut carry = 0u128;
-        for (i, limb) in sum.iter_mut().enumerate() {
-            carry += u128::from(self.0[i]) + u128::from(other.0[i]);
-            *limb = carry as u64;
-            carry >>= 64;
-        }
-        (carry == 0).then_some(Self(sum))
+    /// The sum modulo 2^192, and whether it overflows.
+    pub(crate) fn overflowing_add(self, other: Self) -> (Self, bool) {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        let (low, carry) = wide_pair(a, b).overflowing_add(wide_pair(x, y));
+        let (top, first) = c.overflowing_add(z);
+        let (top, second) = top.overflowing_add(u64::from(carry));
+        (Self([low as u64, (low >> 64) as u64, top]), first || second)
     }
+}
+
+fn wide_pair(low: u64, high: u64) -> u128 {
+    u128::from(low) | u128::from(high) << 64
 }
 
 /// `max(count * squares - sum^2, 0)`, where `squares` is in quanta of `2^-(2 * sum_bits - 32)` and
@@ -135,8 +135,8 @@ mod tests {
     #[test]
     fn wide_sums_carry_and_report_overflow() {
         let ones = Wide([u64::MAX, u64::MAX, 0]);
-        assert_eq!(ones.checked_add(Wide([1, 0, 0])), Some(Wide([0, 0, 1])));
-        assert_eq!(Wide([u64::MAX; 3]).checked_add(Wide([1, 0, 0])), None);
+        assert_eq!(ones.overflowing_add(Wide([1, 0, 0])), (Wide([0, 0, 1]), false));
+        assert_eq!(Wide([u64::MAX; 3]).overflowing_add(Wide([1, 0, 0])), (Wide([0; 3]), true));
     }
 
     proptest! {
@@ -163,7 +163,7 @@ mod tests {
             let square = Wide::from_f64(f64::from(x) * f64::from(x), 96).unwrap();
             for _ in 0..count {
                 sum += to_fixed(f64::from(x), 64).unwrap();
-                squares = squares.checked_add(square).unwrap();
+                squares = squares.overflowing_add(square).0;
             }
             prop_assert_eq!(spread(count, squares, sum), 0.0);
         }

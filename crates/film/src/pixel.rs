@@ -72,19 +72,21 @@ impl PixelSums {
     /// The sums over the samples of both; `None` where one does not fit.
     #[must_use]
     pub fn checked_add(&self, other: &Self) -> Option<Self> {
+        // Sums everything and looks for overflow at the end: branches cost more than additions.
         let mut sums = *self;
+        let mut overflow = false;
         for i in 0..3 {
-            sums.radiance[i] = self.radiance[i].checked_add(other.radiance[i])?;
-            sums.radiance_squared[i] =
-                self.radiance_squared[i].checked_add(other.radiance_squared[i])?;
-            sums.albedo[i] = self.albedo[i].checked_add(other.albedo[i])?;
-            sums.normal[i] = self.normal[i].checked_add(other.normal[i])?;
+            overflow |= add(&mut sums.radiance[i], other.radiance[i], i128::overflowing_add);
+            let (wide, added) = (&mut sums.radiance_squared[i], other.radiance_squared[i]);
+            overflow |= add(wide, added, Wide::overflowing_add);
+            overflow |= add(&mut sums.albedo[i], other.albedo[i], u64::overflowing_add);
+            overflow |= add(&mut sums.normal[i], other.normal[i], i64::overflowing_add);
         }
-        sums.depth = self.depth.checked_add(other.depth)?;
-        sums.alpha = self.alpha.checked_add(other.alpha)?;
-        sums.hits = self.hits.checked_add(other.hits)?;
-        sums.samples = self.samples.checked_add(other.samples)?;
-        Some(sums)
+        overflow |= add(&mut sums.depth, other.depth, u128::overflowing_add);
+        overflow |= add(&mut sums.alpha, other.alpha, u64::overflowing_add);
+        overflow |= add(&mut sums.hits, other.hits, u64::overflowing_add);
+        overflow |= add(&mut sums.samples, other.samples, u64::overflowing_add);
+        (!overflow).then_some(sums)
     }
 
     /// Number of samples.
@@ -172,18 +174,27 @@ impl PixelSums {
     #[must_use]
     pub fn from_le_bytes(bytes: &[u8; Self::BYTES]) -> Self {
         let mut rest = &bytes[..];
-        let mut sums = Self::default();
-        sums.radiance = std::array::from_fn(|_| i128::from_le_bytes(take(&mut rest)));
-        sums.radiance_squared = std::array::from_fn(|_| {
-            Wide(std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest))))
-        });
-        sums.depth = u128::from_le_bytes(take(&mut rest));
-        sums.albedo = std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest)));
-        sums.normal = std::array::from_fn(|_| i64::from_le_bytes(take(&mut rest)));
-        [sums.alpha, sums.hits, sums.samples] =
-            std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest)));
-        sums
+        // Fields are read in the order in which they are written here.
+        Self {
+            radiance: std::array::from_fn(|_| i128::from_le_bytes(take(&mut rest))),
+            radiance_squared: std::array::from_fn(|_| {
+                Wide(std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest))))
+            }),
+            depth: u128::from_le_bytes(take(&mut rest)),
+            albedo: std::array::from_fn(|_| u64::from_le_bytes(take(&mut rest))),
+            normal: std::array::from_fn(|_| i64::from_le_bytes(take(&mut rest))),
+            alpha: u64::from_le_bytes(take(&mut rest)),
+            hits: u64::from_le_bytes(take(&mut rest)),
+            samples: u64::from_le_bytes(take(&mut rest)),
+        }
     }
+}
+
+/// Adds to a sum and says whether that overflows.
+fn add<T: Copy>(sum: &mut T, added: T, overflowing_add: impl Fn(T, T) -> (T, bool)) -> bool {
+    let (total, overflow) = overflowing_add(*sum, added);
+    *sum = total;
+    overflow
 }
 
 /// Takes the first `N` bytes, which are there by [`PixelSums::BYTES`].
@@ -197,7 +208,7 @@ fn take<const N: usize>(rest: &mut &[u8]) -> [u8; N] {
 
 /// A radiance or depth as fixed point, where it is in range.
 fn bounded(x: f32) -> Option<u128> {
-    (x >= 0.0 && x < LIMIT).then(|| to_fixed(f64::from(x), FRACTION_BITS)).flatten()
+    (0.0..LIMIT).contains(&x).then(|| to_fixed(f64::from(x), FRACTION_BITS)).flatten()
 }
 
 /// A guide value of magnitude `x` as fixed point, where it is in range.

@@ -1,5 +1,7 @@
 //! Films add exactly: any order, any split, the same bytes; and nothing out of range goes in.
 
+#![allow(clippy::unwrap_used, reason = "a failing test may panic")]
+
 use proptest::prelude::*;
 use snowgrain_film::{
     Film, FilmError, FilmIdentity, FilmTile, Layer, Picture, PixelRect, PixelSums, Sample,

@@ -19,7 +19,8 @@ pub struct Comparison {
     pub mean: [f64; 3],
     /// Mean of the reference, RGB.
     pub reference_mean: [f64; 3],
-    /// Whether noise explains the difference; where both pictures have variance layers.
+    /// Whether noise explains the difference; where both pictures have variance layers and some
+    /// pixel at least two samples in both.
     pub z_test: Option<ZTest>,
     /// Mean LDR-FLIP error of both pictures developed to 8 bits, in [0, 1].
     pub flip: f64,

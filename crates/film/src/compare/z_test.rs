@@ -5,13 +5,14 @@ use crate::{FilmError, Picture};
 /// The difference of two independent renders in units of its standard deviation.
 ///
 /// For every pixel and channel `z = (a - b) / sqrt(var a + var b)`, with the variances of the means
-/// from the variance layers; `z` is 0 where the values are equal or a variance is not known
-/// (infinite), infinite where they differ without any variance. Probabilities hold for means that
-/// are close to normal: with fewer than about 64 samples a pixel of a black-and-white scene alarms
-/// too often. Renders of one seed share their noise: compare different seeds.
+/// from the variance layers; `z` is 0 where the values are equal, infinite where they differ without
+/// any variance. Pixels of which a variance is not known (infinite) are left out. Probabilities
+/// hold for means that are close to normal: with fewer than about 64 samples a pixel of a
+/// black-and-white scene alarms too often. Renders of one seed share their noise: compare different
+/// seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZTest {
-    /// Number of values tested: pixels times three channels.
+    /// Number of values tested: three channels of every pixel whose variances are known.
     pub tests: u64,
     /// Largest |z|.
     pub largest_z: f64,
@@ -40,34 +41,42 @@ impl ZTest {
     }
 }
 
-/// The test, where both pictures have variance layers.
+/// The test, where both pictures have variance layers and some pixel known variances.
 pub(super) fn z_test(picture: &Picture, reference: &Picture) -> Result<Option<ZTest>, FilmError> {
     let (Some(variance), Some(reference_variance)) = (picture.variance(), reference.variance())
     else {
         return Ok(None);
     };
     let (colour, reference_colour) = (picture.colour()?, reference.colour()?);
-    let pixels = picture.window().area();
+    let mut tests = 0;
     let (mut largest, mut at) = (0.0, 0);
     let (mut mean_z, mut chi_square) = ([0.0; 3], [0.0; 3]);
     for channel in 0..3 {
-        let (mut differences, mut variances) = (0.0, 0.0);
+        let (mut differences, mut variances, mut pixels) = (0.0, 0.0, 0u64);
         for index in 0..colour[channel].len() {
             let difference =
                 f64::from(colour[channel][index]) - f64::from(reference_colour[channel][index]);
             let noise =
                 f64::from(variance[channel][index]) + f64::from(reference_variance[channel][index]);
+            if !noise.is_finite() {
+                continue;
+            }
+            pixels += 1;
             let z = ratio(difference, noise);
             differences += difference;
             variances += noise;
-            chi_square[channel] += z * z / pixels as f64;
+            chi_square[channel] += z * z;
             if z.abs() > largest {
                 (largest, at) = (z.abs(), index);
             }
         }
         mean_z[channel] = ratio(differences, variances);
+        chi_square[channel] /= pixels.max(1) as f64;
+        tests += pixels;
     }
-    let tests = 3 * pixels;
+    if tests == 0 {
+        return Ok(None);
+    }
     let largest_mean = mean_z.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
     Ok(Some(ZTest {
         tests,
@@ -98,7 +107,7 @@ fn sidak(p: f64, tests: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Film, FilmIdentity, FilmTile, PixelRect, Sample};
+    use crate::{Film, FilmIdentity, FilmTile, Layer, PixelRect, Sample};
     use snowgrain_math::sampler::{PathKey, numbers};
 
     /// A render of coins: every sample is 0 or 1 with probability `p` of 1.
@@ -125,6 +134,18 @@ mod tests {
         assert!((sidak(0.1, 2) - 0.19).abs() < 1e-15);
         assert!((two_sided(1.959_963_984_540_054) - 0.05).abs() < 1e-12);
         assert_eq!(sidak(two_sided(f64::INFINITY), 1000), 0.0);
+    }
+
+    #[test]
+    fn pixels_without_a_known_variance_are_left_out() {
+        let (few, many) = (coins(4, 1, 0.5, 1), coins(4, 64, 0.5, 2));
+        assert_eq!(z_test(&few, &many), Ok(None));
+        let mut one_unknown = many.clone();
+        let mut variance = many.layer(Layer::VarianceR).unwrap().to_vec();
+        variance[3] = f32::INFINITY;
+        one_unknown.set_layer(Layer::VarianceR, variance).unwrap();
+        let test = z_test(&one_unknown, &many).unwrap().unwrap();
+        assert_eq!((test.tests, test.largest_z, test.pixel_probability), (47, 0.0, 1.0));
     }
 
     // False alarms: 2e-6 for a right program if means were normal; the seeds are fixed, so the test
