@@ -43,6 +43,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         return fits.map(|()| 0);
     }
     fits.map_err(|failure| failure.of(&loaded.name))?;
+    progress.detail(&format!(
+        "about {} grains, {} of memory",
+        grouped(cost.grains),
+        readable_bytes(cost.peak_bytes())
+    ));
     let pool = pool(&arguments.machine)?;
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
