@@ -4,6 +4,8 @@
 
 use crate::output::tell;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use snowgrain_render::BuildStage;
+use snowgrain_render::description::SnowDescription;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -38,6 +40,22 @@ impl Progress {
             Shown::Lines
         };
         Self { shown, verbose: verbose && !quiet }
+    }
+
+    /// A stage in the building of these snows begins.
+    pub(crate) fn build_stage(&self, stage: BuildStage, snow: &[SnowDescription]) {
+        let name = match stage {
+            BuildStage::Surfaces => "surfaces".to_owned(),
+            BuildStage::Packing => "packing".to_owned(),
+            BuildStage::Snow { index } => {
+                let does = match snow.get(index) {
+                    Some(SnowDescription::Deposit(_)) => "falls",
+                    _ => "is placed",
+                };
+                format!("snow {does} ({} of {})", index + 1, snow.len())
+            }
+        };
+        self.stage(&name);
     }
 
     /// A new stage of unknown length begins.
@@ -88,15 +106,15 @@ impl Progress {
                 })
             }
             Shown::Bar(bar) => {
-                bar.set_length(total);
-                bar.set_position(0);
-                bar.reset();
-                bar.set_message("rendering");
                 let template = "{msg} [{bar:30}] {percent:>3} %  {human_pos} of {human_len} \
                                 samples  {elapsed}, {eta} to go";
+                bar.disable_steady_tick();
                 if let Ok(style) = ProgressStyle::with_template(template) {
                     bar.set_style(style.progress_chars("=> "));
                 }
+                bar.set_message("rendering");
+                bar.set_length(total);
+                bar.reset();
                 watching(work, || bar.set_position(done.load(Ordering::Relaxed)))
             }
         }

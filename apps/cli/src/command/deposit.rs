@@ -15,7 +15,7 @@ use snowgrain_formats::{atomic, write_grains};
 use snowgrain_geometry::Grain;
 use snowgrain_grains::{ICE_DENSITY, PackReport};
 use snowgrain_render::description::SceneDescription;
-use snowgrain_render::{BuildStage, CostEstimate, deposit, surfaces_of};
+use snowgrain_render::{CostEstimate, deposit, surfaces_of};
 
 pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     atomic::check_writable_target(&arguments.output)?;
@@ -36,15 +36,9 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
         budget.check(&cost).map_err(|failure| failure.of(&loaded.name))?;
     }
     let watch = Stopwatch::start();
-    let snows = description.snow.len();
-    let (field, reports) = deposit(description, &mut |stage| match stage {
-        BuildStage::Surfaces => progress.stage("surfaces"),
-        BuildStage::Snow { index } => {
-            progress.stage(&format!("snow falls ({} of {snows})", index + 1));
-        }
-        BuildStage::Packing => {}
-    })
-    .map_err(|error| Failure::from(error).of(&loaded.name))?;
+    let (field, reports) =
+        deposit(description, &mut |stage| progress.build_stage(stage, &description.snow))
+            .map_err(|error| Failure::from(error).of(&loaded.name))?;
     let spent = watch.spent();
     interrupts.while_writing(|| write_grains(&arguments.output, &field))?;
     progress.stage("measuring");

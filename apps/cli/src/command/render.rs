@@ -133,17 +133,13 @@ fn build(
 ) -> Result<(Scene, BuildTimes), Failure> {
     let mut times = BuildTimes::default();
     let mut running: Option<(BuildStage, Stopwatch)> = None;
-    let snows = loaded.description.snow.len();
+    let snow = &loaded.description.snow;
     let built = pool.install(|| {
         Scene::build(&loaded.description, &mut |stage| {
             if let Some((ended, watch)) = running.replace((stage, Stopwatch::start())) {
                 times.book(ended, watch.spent());
             }
-            progress.stage(&match stage {
-                BuildStage::Surfaces => "surfaces".to_owned(),
-                BuildStage::Snow { index } => format!("snow falls ({} of {snows})", index + 1),
-                BuildStage::Packing => "packing".to_owned(),
-            });
+            progress.build_stage(stage, snow);
         })
     });
     if let Some((ended, watch)) = running {

@@ -1,5 +1,7 @@
 //! The program as a whole: what it writes, what it says, and with what exit code.
 
+#![expect(clippy::unwrap_used, reason = "a test may panic, in its helpers too")]
+
 mod errors;
 mod measures;
 mod pictures;
