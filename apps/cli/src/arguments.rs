@@ -21,6 +21,7 @@ pub(crate) use values::{PictureFile, PictureFormat, Size};
 /// Snowgrain renders snow that is made of real, discrete grains of ice.
 #[derive(Debug, Parser)]
 #[command(
+    name = "snowgrain",
     version,
     propagate_version = true,
     after_help = "Examples:\n  \
@@ -139,6 +140,6 @@ pub(crate) fn answer(error: &clap::Error) -> ExitCode {
     let message = said.join(" ");
     let message = message.strip_prefix("error: ").unwrap_or(&message);
     let failure = crate::failure::Failure::usage(format!("{message}; --help says more"));
-    eprintln!("{failure}");
+    crate::output::tell(&failure.to_string());
     ExitCode::from(failure.code)
 }

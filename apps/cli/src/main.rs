@@ -26,7 +26,7 @@ fn main() -> ExitCode {
     match catching_panics(|| command::run(&arguments.command)) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            eprintln!("{failure}");
+            output::tell(&failure.to_string());
             ExitCode::from(failure.code)
         }
     }
@@ -53,4 +53,25 @@ fn catching_panics(work: impl FnOnce() -> Result<u8, Failure>) -> Result<u8, Fai
             ),
         ))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_on_any_thread_becomes_a_failure_that_asks_for_a_report() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let ended = catching_panics(|| pool.install(|| panic!("it broke\nhere")));
+        drop(panic::take_hook());
+        let failure = ended.unwrap_err();
+        assert_eq!(failure.code, 70);
+        let line = failure.to_string();
+        for part in ["it broke here", "main.rs", "report", env!("CARGO_PKG_VERSION")] {
+            assert!(line.contains(part), "{line}");
+        }
+        assert_eq!(line.lines().count(), 1);
+        assert_eq!(catching_panics(|| Ok(3)).unwrap(), 3);
+        drop(panic::take_hook());
+    }
 }

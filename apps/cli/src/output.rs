@@ -1,4 +1,4 @@
-//! Data on standard output, and figures in files.
+//! Data on standard output, words on standard error, figures in files.
 
 use crate::failure::{Failure, exit};
 use snowgrain_formats::atomic;
@@ -14,6 +14,12 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Writes a line to standard error. Whoever does not want to read it misses nothing: the exit code
+/// and the files tell too.
+pub(crate) fn tell(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// The value as JSON over several lines.

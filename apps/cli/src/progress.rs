@@ -2,16 +2,19 @@
 //!
 //! No colours are used, so that `NO_COLOR` is honoured as it is.
 
+use crate::output::tell;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use snowgrain_render::BuildStage;
+use snowgrain_render::description::SnowDescription;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Between two looks at the counter of samples.
 const LOOK: Duration = Duration::from_millis(100);
-/// Between two lines where there is no terminal.
-const LINE: Duration = Duration::from_secs(10);
+/// Percent of the samples between two lines where there is no terminal.
+const LINE_PERCENT: f64 = 10.0;
 
 /// Tells the user what is being done.
 #[derive(Debug)]
@@ -39,11 +42,27 @@ impl Progress {
         Self { shown, verbose: verbose && !quiet }
     }
 
+    /// A stage in the building of these snows begins.
+    pub(crate) fn build_stage(&self, stage: BuildStage, snow: &[SnowDescription]) {
+        let name = match stage {
+            BuildStage::Surfaces => "surfaces".to_owned(),
+            BuildStage::Packing => "packing".to_owned(),
+            BuildStage::Snow { index } => {
+                let does = match snow.get(index) {
+                    Some(SnowDescription::Deposit(_)) => "falls",
+                    _ => "is placed",
+                };
+                format!("snow {does} ({} of {})", index + 1, snow.len())
+            }
+        };
+        self.stage(&name);
+    }
+
     /// A new stage of unknown length begins.
     pub(crate) fn stage(&self, name: &str) {
         match &self.shown {
             Shown::Nothing => {}
-            Shown::Lines => eprintln!("snowgrain: {name}"),
+            Shown::Lines => tell(&format!("snowgrain: {name}")),
             Shown::Bar(bar) => {
                 if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
                     bar.set_style(style);
@@ -58,8 +77,8 @@ impl Progress {
     pub(crate) fn note(&self, line: &str) {
         match &self.shown {
             Shown::Nothing => {}
-            Shown::Lines => eprintln!("snowgrain: {line}"),
-            Shown::Bar(bar) => bar.suspend(|| eprintln!("snowgrain: {line}")),
+            Shown::Lines => tell(&format!("snowgrain: {line}")),
+            Shown::Bar(bar) => bar.suspend(|| tell(&format!("snowgrain: {line}"))),
         }
     }
 
@@ -75,27 +94,27 @@ impl Progress {
         match &self.shown {
             Shown::Nothing => work(),
             Shown::Lines => {
-                eprintln!("snowgrain: rendering {total} samples");
-                let mut told = Instant::now();
+                tell(&format!("snowgrain: rendering {total} samples"));
+                let mut next = LINE_PERCENT;
                 watching(work, || {
-                    if told.elapsed() >= LINE {
-                        told = Instant::now();
-                        let done = done.load(Ordering::Relaxed);
-                        let percent = 100.0 * done as f64 / total.max(1) as f64;
-                        eprintln!("snowgrain: {percent:.0} % of the samples");
+                    let done = done.load(Ordering::Relaxed);
+                    let percent = 100.0 * done as f64 / total.max(1) as f64;
+                    if percent >= next {
+                        tell(&format!("snowgrain: {percent:.0} % of the samples"));
+                        next = percent + LINE_PERCENT;
                     }
                 })
             }
             Shown::Bar(bar) => {
-                bar.set_length(total);
-                bar.set_position(0);
-                bar.reset();
-                bar.set_message("rendering");
                 let template = "{msg} [{bar:30}] {percent:>3} %  {human_pos} of {human_len} \
                                 samples  {elapsed}, {eta} to go";
+                bar.disable_steady_tick();
                 if let Ok(style) = ProgressStyle::with_template(template) {
                     bar.set_style(style.progress_chars("=> "));
                 }
+                bar.set_message("rendering");
+                bar.set_length(total);
+                bar.reset();
                 watching(work, || bar.set_position(done.load(Ordering::Relaxed)))
             }
         }

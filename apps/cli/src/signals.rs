@@ -64,7 +64,7 @@ impl Shared {
             return;
         }
         let _guard = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
-        eprintln!("snowgrain: stopped by a signal; nothing more was written");
+        crate::output::tell("snowgrain: stopped by a signal; nothing more was written");
         std::process::exit(i32::from(128 + signal));
     }
 }

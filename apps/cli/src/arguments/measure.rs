@@ -30,12 +30,12 @@ pub(crate) enum MeasureKind {
 /// mean chord in air against (4/3) r (1 - phi) / phi, each with its standard error, and the
 /// histogram by order. tau = N pi r^2 / A; phi is the solid fraction between the faces, overlaps
 /// counted twice. The expected values hold for grains that do not overlap, Lambertian light and, for
-/// deposits, the mean of light from above and from below.
+/// deposits, the mean over both faces (--from both).
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("snow").required(true).args(["lattice", "rule", "file"]))]
 #[command(after_help = "Examples:\n  \
     snowgrain measure slab --lattice sc --layers 20\n  \
-    snowgrain measure slab --rule stick --width 60mm --grains 100000 --from below\n  \
+    snowgrain measure slab --rule stick --width 60mm --grains 100000 --from both\n  \
     snowgrain measure slab --file pack.ply --period 60mm,60mm --json")]
 pub(crate) struct SlabArguments {
     /// Crystal of touching grains: sc, bcc, fcc or hcp
@@ -78,7 +78,7 @@ pub(crate) struct SlabArguments {
           value_parser = values::incidence)]
     pub(crate) incidence: Incidence,
 
-    /// The face that is lit
+    /// The face that is lit; both: the mean of the two
     #[arg(long, value_enum, default_value = "above")]
     pub(crate) from: Side,
 
@@ -90,11 +90,15 @@ pub(crate) struct SlabArguments {
     pub(crate) tracing: TracingArguments,
 }
 
-/// A face of a slab.
+/// Faces of a slab that light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Side {
+    /// The upper face
     Above,
+    /// The lower face
     Below,
+    /// The mean of both, each with all the paths
+    Both,
 }
 
 /// A block of snow, lit from all around by cosine-distributed light over its box.

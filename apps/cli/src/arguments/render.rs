@@ -11,6 +11,7 @@ use std::time::Duration;
 /// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
 /// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
 #[derive(Debug, Args)]
+#[command(args_override_self = true)]
 #[command(after_help = "Examples:\n  \
     snowgrain render snowy-teapot -o teapot.png\n  \
     snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \

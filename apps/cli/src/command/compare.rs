@@ -33,8 +33,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<u8, Failure> {
 }
 
 fn exceeds(arguments: &CompareArguments, comparison: &Comparison) -> bool {
-    // Negated, so that what is not a number exceeds.
-    let above = |value: f64, most: Option<f64>| most.is_some_and(|most| !(value <= most));
+    let above =
+        |value: f64, most: Option<f64>| most.is_some_and(|most| value > most || value.is_nan());
     let inconsistent = |significance| {
         comparison.z_test.as_ref().is_some_and(|test| !test.consistent(significance))
     };

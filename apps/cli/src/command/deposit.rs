@@ -16,7 +16,7 @@ use snowgrain_geometry::Grain;
 use snowgrain_grains::measures::Extent;
 use snowgrain_grains::{ICE_DENSITY, PackReport};
 use snowgrain_render::description::{SceneDescription, SnowDescription};
-use snowgrain_render::{BuildStage, CostEstimate, deposit, surfaces_of};
+use snowgrain_render::{CostEstimate, deposit, surfaces_of};
 
 pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     atomic::check_writable_target(&arguments.output)?;
@@ -37,15 +37,9 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
         budget.check(&cost).map_err(|failure| failure.of(&loaded.name))?;
     }
     let watch = Stopwatch::start();
-    let snows = description.snow.len();
-    let (field, reports) = deposit(description, &mut |stage| match stage {
-        BuildStage::Surfaces => progress.stage("surfaces"),
-        BuildStage::Snow { index } => {
-            progress.stage(&format!("snow falls ({} of {snows})", index + 1));
-        }
-        BuildStage::Packing => {}
-    })
-    .map_err(|error| Failure::from(error).of(&loaded.name))?;
+    let (field, reports) =
+        deposit(description, &mut |stage| progress.build_stage(stage, &description.snow))
+            .map_err(|error| Failure::from(error).of(&loaded.name))?;
     let spent = watch.spent();
     interrupts.while_writing(|| write_grains(&arguments.output, &field))?;
     progress.stage("measuring");
@@ -88,7 +82,7 @@ struct Figures {
     accepted: u64,
     discarded: u64,
     missed: u64,
-    /// Between 20 and 80 % of the depth (of the box, along all axes, where there are objects).
+    /// Between 20 and 80 % of the depth that the snow has at each place.
     union_solid_fraction: f64,
     union_solid_fraction_standard_error: f64,
     union_density: f64,
@@ -139,8 +133,8 @@ impl Figures {
                 grouped(self.missed),
             ),
             format!(
-                "solid fraction {:.4} +- {:.4} (union: {:.1} kg/m3), {:.4} (nominal), in the \
-                 inner 60 % of the box of the grains, objects in it included",
+                "solid fraction {:.4} +- {:.4} (union: {:.1} kg/m3), {:.4} (nominal), between 20 and \
+                 80 % of the depth",
                 self.union_solid_fraction,
                 self.union_solid_fraction_standard_error,
                 self.union_density,

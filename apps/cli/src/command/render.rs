@@ -43,6 +43,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         return fits.map(|()| 0);
     }
     fits.map_err(|failure| failure.of(&loaded.name))?;
+    progress.detail(&format!(
+        "about {} grains, {} of memory",
+        grouped(cost.grains),
+        readable_bytes(cost.peak_bytes())
+    ));
     let pool = pool(&arguments.machine)?;
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
@@ -128,17 +133,13 @@ fn build(
 ) -> Result<(Scene, BuildTimes), Failure> {
     let mut times = BuildTimes::default();
     let mut running: Option<(BuildStage, Stopwatch)> = None;
-    let snows = loaded.description.snow.len();
+    let snow = &loaded.description.snow;
     let built = pool.install(|| {
         Scene::build(&loaded.description, &mut |stage| {
             if let Some((ended, watch)) = running.replace((stage, Stopwatch::start())) {
                 times.book(ended, watch.spent());
             }
-            progress.stage(&match stage {
-                BuildStage::Surfaces => "surfaces".to_owned(),
-                BuildStage::Snow { index } => format!("snow falls ({} of {snows})", index + 1),
-                BuildStage::Packing => "packing".to_owned(),
-            });
+            progress.build_stage(stage, snow);
         })
     });
     if let Some((ended, watch)) = running {

@@ -308,7 +308,7 @@ version = 1
 [film]
 width = 512
 height = 512
-samples_per_pixel = 64
+samples_per_pixel = 32
 seed = 0
 
 [camera]                         # from above, along -z
@@ -324,7 +324,7 @@ absorption = 0.0
 
 [[light]]                        # overcast; the camera sees the backdrop instead
 kind = "sky"
-radiance = 1.0
+radiance = 1.25
 visible_to_camera = false
 
 [[object]]                       # turned by three quarters, standing on y = 0
@@ -338,7 +338,7 @@ translate = {translate:?}
 [[object]]                       # the ground: a slab whose top is y = 0; only its far edge is seen
 name = "ground"
 shape = "box"
-albedo = 0.18
+albedo = 0.35
 scale = [{east:?}, {thickness:?}, {half_length:?}]
 translate = [0, {down:?}, {middle:?}]
 

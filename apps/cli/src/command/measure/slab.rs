@@ -16,7 +16,7 @@ use snowgrain_formats::read_grains;
 use snowgrain_grains::{Amount, DepositSettings, Radii};
 use snowgrain_optics::{Dielectric, sphere};
 use snowgrain_render::CostEstimate;
-use snowgrain_render::measure::{Incidence, SlabMeasure, SlabSettings, measure_slab};
+use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
 use std::fmt::Write;
 
 pub(super) fn run(arguments: &SlabArguments) -> Result<u8, Failure> {
@@ -33,17 +33,46 @@ pub(super) fn run(arguments: &SlabArguments) -> Result<u8, Failure> {
         bottom: snow.hull.min.y,
         period: [size.x, size.z],
         incidence: arguments.incidence,
-        from_below: arguments.from == Side::Below,
+        from_below: false,
         absorption_per_metre: arguments.absorption,
         paths: tracing.paths,
         seed: tracing.seed,
         level,
     };
-    let measure = pool.install(|| measure_slab(&snow.world, &settings));
+    let face = |from_below| measure_slab(&snow.world, &SlabSettings { from_below, ..settings });
+    let (measure, from) = pool.install(|| match arguments.from {
+        Side::Above => (face(false), "above"),
+        Side::Below => (face(true), "below"),
+        Side::Both => (mean_of(&face(false), &face(true)), "both"),
+    });
     progress.finish();
-    let figures = Figures::new(&snow, &settings, &measure);
+    let figures = Figures::new(&snow, &settings, from, &measure);
     output::print(&if tracing.json { output::json(&figures)? } else { figures.text() })?;
     Ok(0)
+}
+
+/// The mean of two measures of as many paths each.
+fn mean_of(above: &SlabMeasure, below: &SlabMeasure) -> SlabMeasure {
+    let mean = |part: fn(&SlabMeasure) -> Estimate| {
+        let (a, b) = (part(above), part(below));
+        let variance = a.standard_error * a.standard_error + b.standard_error * b.standard_error;
+        Estimate { mean: 0.5 * (a.mean + b.mean), standard_error: 0.5 * variance.sqrt() }
+    };
+    let means = |part: fn(&SlabMeasure) -> &[f64]| {
+        part(above).iter().zip(part(below)).map(|(a, b)| 0.5 * (a + b)).collect()
+    };
+    SlabMeasure {
+        paths: above.paths + below.paths,
+        reflectance: mean(|m| m.reflectance),
+        transmittance: mean(|m| m.transmittance),
+        grain_visits: mean(|m| m.grain_visits),
+        interface_events: mean(|m| m.interface_events),
+        ice_path: mean(|m| m.ice_path),
+        void_path: mean(|m| m.void_path),
+        visits_histogram: means(|m| &m.visits_histogram),
+        reflected_by_visits: means(|m| &m.reflected_by_visits),
+        trapped_paths: above.trapped_paths + below.trapped_paths,
+    }
 }
 
 fn snow(arguments: &SlabArguments) -> Result<MeasuredSnow, Failure> {
@@ -108,7 +137,12 @@ struct Figures {
 }
 
 impl Figures {
-    fn new(snow: &MeasuredSnow, settings: &SlabSettings, measure: &SlabMeasure) -> Self {
+    fn new(
+        snow: &MeasuredSnow,
+        settings: &SlabSettings,
+        from: &'static str,
+        measure: &SlabMeasure,
+    ) -> Self {
         let size = snow.hull.size();
         let area = size.x * size.z;
         let tau = PI * snow.sums.squares / area;
@@ -137,7 +171,7 @@ impl Figures {
                 Incidence::Lambertian => "lambertian".into(),
                 Incidence::Collimated { zenith_degrees } => format!("{zenith_degrees} degrees"),
             },
-            from: if settings.from_below { "below" } else { "above" },
+            from,
             paths: measure.paths,
             trapped_paths: measure.trapped_paths,
             reflectance: Figure::of(measure.reflectance),

@@ -29,7 +29,11 @@ impl<'a> Pictures<'a> {
 
     /// Writes every file; the first failure is told after all were tried.
     pub(super) fn write(&self, film: &Film, picture: &Picture) -> Result<(), Failure> {
-        self.files.iter().fold(Ok(()), |first, file| first.and(self.write_one(file, film, picture)))
+        let mut written = Ok(());
+        for file in self.files {
+            written = written.and(self.write_one(file, film, picture));
+        }
+        written
     }
 
     fn write_one(&self, file: &PictureFile, film: &Film, picture: &Picture) -> Result<(), Failure> {
