@@ -29,12 +29,10 @@ fn main() {
             (QUERIES as f64 / seconds / 1e6, hits)
         };
         let (hit_rate, hits) = rate(&|ray| surfaces.intersect(ray, f64::INFINITY, None).is_some());
-        let (box_rate, crossed) = rate(&|ray| {
-            surfaces.may_cross(&Aabb::new(ray.origin - 0.01, ray.origin + 0.01))
-        });
-        let (drop_rate, landed) = rate(&|ray| {
-            surfaces.drop_sphere(ray.origin.x, ray.origin.z, 0.01, 4.0).is_some()
-        });
+        let (box_rate, crossed) =
+            rate(&|ray| surfaces.may_cross(&Aabb::new(ray.origin - 0.01, ray.origin + 0.01)));
+        let (drop_rate, landed) =
+            rate(&|ray| surfaces.drop_sphere(ray.origin.x, ray.origin.z, 0.01, 4.0).is_some());
         println!(
             "{triangles} triangles, {} bytes, built in {build:.3} CPU-s: {hit_rate:.2} M rays/s \
              ({hits} hit), {box_rate:.2} M boxes/s ({crossed} crossed), {drop_rate:.2} M drops/s \

@@ -15,8 +15,9 @@ const PAD: i32 = 1;
 /// lattice moves two grains by at most 1.74 quanta against each other.
 const TOUCH: i64 = 3;
 
-/// Wanted edge of a cell in mean radii of the grains that fill space (see FINDINGS: 2.5 to 3).
-const SIDE_IN_RADII: f64 = 2.7;
+/// Wanted grains listed in a cell that lies within snow: few enough that a block of 16 seldom runs
+/// over, many enough that memory and steps from cell to cell stay few.
+const GRAINS_PER_CELL: f64 = 10.5;
 
 /// Whether the ball around `center` (relative to the cell's low corner) reaches the cell.
 pub(super) fn reaches_cell(center: [i32; 3], radius: u16, side: [i32; 3]) -> bool {
@@ -48,15 +49,45 @@ pub(super) fn longest_side(margin: i32) -> i32 {
     i32::from(u16::MAX) - 2 * margin - 2 * PAD
 }
 
-/// Edge of the cells in quanta: [`SIDE_IN_RADII`] radii of the grain of mean volume, at least what
-/// keeps a grain within its neighbours' cells, at most what 16 bits hold.
-fn choose_side(grains: &[QuantisedGrain], margin: i32) -> i32 {
-    let cubes: f64 = grains
-        .iter()
-        .map(|g| f64::from(g.radius) * f64::from(g.radius) * f64::from(g.radius))
-        .sum();
-    let mean_radius = (cubes / grains.len().max(1) as f64).cbrt();
-    ((SIDE_IN_RADII * mean_radius) as i32).clamp(margin.max(1), longest_side(margin).max(1))
+/// Edge of the cells in quanta: such that a cell within the snow lists about [`GRAINS_PER_CELL`]
+/// grains, at least what keeps a grain within its neighbours' cells, at most what 16 bits hold.
+fn choose_side(grains: &[QuantisedGrain], margin: i32) -> Result<i32, GridError> {
+    let cubes: f64 = grains.iter().map(|g| cube(f64::from(g.radius))).sum();
+    let radius = (cubes / grains.len().max(1) as f64).cbrt().max(1.0);
+    let ball = 4.0 / 3.0 * std::f64::consts::PI * cube(radius);
+    let density = grains.len() as f64 / occupied_volume(grains, 4.0 * radius)?;
+    // Grains whose balls reach into a cube of edge s: their centres fill its parallel body.
+    let listed = |s: f64| {
+        let pi = std::f64::consts::PI;
+        density * (cube(s) + 6.0 * s * s * radius + 3.0 * pi * s * radius * radius + ball)
+    };
+    let mut side = 1.5 * radius;
+    while listed(side * 1.02) <= GRAINS_PER_CELL && side < f64::from(u16::MAX) {
+        side *= 1.02;
+    }
+    Ok((side as i32).clamp(margin.max(1), longest_side(margin).max(1)))
+}
+
+fn cube(x: f64) -> f64 {
+    x * x * x
+}
+
+/// Volume of the cells of edge `side` that hold the centre of a grain, in cubic quanta.
+fn occupied_volume(grains: &[QuantisedGrain], side: f64) -> Result<f64, GridError> {
+    let layout = lay_out(grains, side.ceil() as i32)?;
+    let cell_of = |grain: &QuantisedGrain| -> [i32; 3] {
+        std::array::from_fn(|axis| {
+            let from_corner = i64::from(grain.center[axis]) - layout.first[axis];
+            (from_corner / i64::from(layout.side[axis])) as i32
+        })
+    };
+    let mut cells = PackedCells::new(layout.cells)?;
+    grains.iter().for_each(|grain| cells.touch(cell_of(grain)));
+    cells.seal_bricks();
+    let mut occupied = vec![false; cells.entries().len()];
+    grains.iter().for_each(|grain| occupied[cells.index(cell_of(grain))] = true);
+    let count = occupied.iter().filter(|&&held| held).count();
+    Ok(count as f64 * cube(f64::from(layout.side[0])))
 }
 
 /// A period is cut into at most this many times the cells that it would have if they could have any
@@ -83,11 +114,8 @@ struct Layout {
     periodic: [bool; 3],
 }
 
-fn lay_out(
-    grains: &[QuantisedGrain],
-    margin: i32,
-    period: Option<[i64; 2]>,
-) -> Result<Layout, GridError> {
+/// Cells of edge `side` that cover all grains.
+fn lay_out(grains: &[QuantisedGrain], side: i32) -> Result<Layout, GridError> {
     let mut low = [i64::MAX; 3];
     let mut high = [i64::MIN; 3];
     for grain in grains {
@@ -97,24 +125,11 @@ fn lay_out(
             high[axis] = high[axis].max(c + r);
         }
     }
-    let side = choose_side(grains, margin);
     let mut layout = Layout { first: low, side: [side; 3], cells: [1; 3], periodic: [false; 3] };
     for axis in 0..3 {
         let cells = (high[axis] - low[axis]) / i64::from(side) + 1;
         layout.cells[axis] =
             i32::try_from(cells).map_err(|_| GridError::TooSparse { bricks: cells as u128 })?;
-    }
-    if let Some([x, z]) = period {
-        for (axis, length) in [(0, x), (2, z)] {
-            if length <= i64::from(margin) {
-                return Err(GridError::BadPeriod);
-            }
-            let cells = periodic_cells(length, side, longest_side(margin))?;
-            layout.first[axis] = 0;
-            layout.periodic[axis] = true;
-            layout.side[axis] = (length / cells) as i32;
-            layout.cells[axis] = cells as i32;
-        }
     }
     Ok(layout)
 }
@@ -139,7 +154,10 @@ pub(super) fn build(
             grains: 0,
         });
     }
-    let layout = lay_out(grains, margin, period)?;
+    let mut layout = lay_out(grains, choose_side(grains, margin)?)?;
+    if let Some(period) = period {
+        layout.repeat(period, margin)?;
+    }
     let mut cells = PackedCells::new(layout.cells)?;
     for &grain in grains {
         layout.for_cells(grain, |cell, _| cells.touch(cell));
@@ -283,6 +301,21 @@ fn overlaps_any(block: &Block, center: [u16; 3], radius: u16) -> bool {
 }
 
 impl Layout {
+    /// Makes the cells repeat along x and z with these periods.
+    fn repeat(&mut self, [x, z]: [i64; 2], margin: i32) -> Result<(), GridError> {
+        for (axis, length) in [(0, x), (2, z)] {
+            if length <= i64::from(margin) {
+                return Err(GridError::BadPeriod);
+            }
+            let cells = periodic_cells(length, self.side[axis], longest_side(margin))?;
+            self.first[axis] = 0;
+            self.periodic[axis] = true;
+            self.side[axis] = (length / cells) as i32;
+            self.cells[axis] = cells as i32;
+        }
+        Ok(())
+    }
+
     /// Calls `visit(cell, center)` for every cell that the grain reaches, with its centre relative
     /// to that cell's low corner.
     fn for_cells(&self, grain: QuantisedGrain, mut visit: impl FnMut([i32; 3], [i32; 3])) {

@@ -2,7 +2,7 @@ use super::*;
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::{PathKey, pcg3d};
 
-const R: i32 = 13_600;
+const R: i32 = 10_900;
 
 fn words(seed: u64, index: u64) -> [u32; 3] {
     let key = PathKey::new(seed, index, 0);
