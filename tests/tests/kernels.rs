@@ -5,7 +5,7 @@
 
 #![expect(clippy::unwrap_used, reason = "what cannot go on fails the test")]
 
-use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_accel::{GrainGrid, GridError, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain, TriangleMesh, teapot};
 use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, GrainField, LatticeCell, LatticeKind, LatticeSettings,
@@ -372,6 +372,35 @@ fn every_lattice_without_memory_agrees_with_the_oracle() {
             case.agrees_with_oracle(6_000);
         }
     }
+}
+
+/// Their cells are cut into pieces, as far as that goes; beyond, the caller packs the grains.
+#[test]
+fn lattices_of_grains_apart_agree_with_the_oracle_or_are_refused() {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, 0.5);
+    let cell = |spacing| {
+        let (kind, spacing) = (LatticeKind::Sc, Some(spacing));
+        let settings =
+            LatticeSettings { kind, counts: [3; 3], radius: 0.5, spacing, density: None };
+        LatticeCell::new(&settings, &quantisation).unwrap()
+    };
+    for spacing in [2.0, 4.0] {
+        let cell = cell(spacing);
+        let grains = cell.grains().collect();
+        let field = GrainField { quantisation, grains };
+        let mut case = Case::of_field(field, Starts::AtGrains { distance: 20.0 });
+        case.packing = Packing::Lattice(cell);
+        case.agrees_with_oracle(10_000);
+    }
+    let wide = cell(30.0);
+    let packed = snowgrain_accel::LatticeCell {
+        side_quanta: wide.side_quanta,
+        basis: wide.basis,
+        radius_quanta: wide.radius,
+    };
+    assert_eq!(packed.pieces(), None);
+    let refused = GrainGrid::lattice(quantisation, &packed, [3; 3], [0; 3], [false; 3]);
+    assert_eq!(refused.unwrap_err(), GridError::WideLattice);
 }
 
 #[test]
