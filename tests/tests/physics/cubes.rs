@@ -108,7 +108,7 @@ fn a_cube_lit_all_around_is_visited_pi_n_over_six_times() {
     for side in [32, 120] {
         let world = lattice(LatticeKind::Sc, [side; 3], [false; 3]);
         let hull = Aabb::new(DVec3::ZERO, DVec3::splat(f64::from(side)));
-        let paths = samples(10_000_000 / u64::from(side), 1_000_000_000 / u64::from(side));
+        let paths = samples(10_000_000 / u64::from(side), 200_000_000 / u64::from(side));
         let measure = measure_body(&world, &hull, paths, 8, SimdLevel::detect());
         let expected = core::f64::consts::PI / 6.0 * f64::from(side);
         println!("cube {side} lit all around: {:?} visits", measure.grain_visits);

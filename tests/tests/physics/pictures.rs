@@ -124,7 +124,7 @@ fn the_error_against_a_long_render_falls_as_the_square_root_of_the_samples() {
         Picture::from_film(&film).unwrap().layer(Layer::R).unwrap().to_vec()
     };
     let most = samples(100, 1000);
-    let reference = render(10_000..10_000 + 40 * most);
+    let reference = render(10_000..10_000 + 20 * most);
     let mut points = Vec::new();
     let mut spp = 1;
     while spp <= most {

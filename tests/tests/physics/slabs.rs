@@ -170,9 +170,8 @@ fn paths_through(tau: f64) -> u64 {
 
 #[test]
 fn lattice_slabs_in_diffuse_light_obey_the_identities_and_the_table() {
-    let makers: [(&str, fn(u32) -> Slab); 2] =
-        [("sc", Slab::simple_cubic), ("fcc", Slab::face_centred_cubic)];
-    for (packing, slab) in makers {
+    let sc = Slab::simple_cubic as fn(u32) -> Slab;
+    for (packing, slab) in [("sc", sc), ("fcc", Slab::face_centred_cubic)] {
         let rows = slab_rows(packing, TableLight::Lambertian);
         for row in rows.iter().filter(|row| row.tau < 50.0 || crate::is_full()) {
             let slab = slab(row.layers());
@@ -192,13 +191,15 @@ fn slabs_in_parallel_light_agree_with_the_table() {
     let paths = samples(200_000, 1_000_000);
     // The table does not say where around a lattice its slanting light comes from; around a deposit
     // it does not matter.
-    let cases: [(&str, f64, Incidence, fn(&SlabRow) -> Slab); 4] = [
-        ("sc", 1.0, straight, |row| Slab::simple_cubic(row.layers())),
-        ("fcc", 1.0, straight, |row| Slab::face_centred_cubic(row.layers())),
-        ("bd_stick", 1.0, straight, |row| Slab::stuck(row.tau, 200.0)),
-        ("bd_stick", 0.5, slanting, |row| Slab::stuck(row.tau, 200.0)),
-    ];
-    for (packing, cosine, light, slab) in cases {
+    let sc = |row: &SlabRow| Slab::simple_cubic(row.layers());
+    let fcc = |row: &SlabRow| Slab::face_centred_cubic(row.layers());
+    let stuck = |row: &SlabRow| Slab::stuck(row.tau, 200.0);
+    for (packing, cosine, light, slab) in [
+        ("sc", 1.0, straight, sc as fn(&SlabRow) -> Slab),
+        ("fcc", 1.0, straight, fcc),
+        ("bd_stick", 1.0, straight, stuck),
+        ("bd_stick", 0.5, slanting, stuck),
+    ] {
         let rows = slab_rows(packing, TableLight::Parallel(cosine));
         for row in rows.iter().filter(|row| row.tau < 10.0 || crate::is_full() && row.tau < 50.0) {
             let measure = slab(row).measure(light, paths);

@@ -3,6 +3,8 @@
 //! Films are compared as the bytes of their files, so that every sum counts, not only what a
 //! picture shows of it.
 
+#![expect(clippy::unwrap_used, reason = "what cannot go on fails the test")]
+
 mod golden;
 
 use snowgrain_accel::SimdLevel;

@@ -67,11 +67,11 @@ impl LatticeCells {
         let overlapping = basis_overlaps(cell);
         for (index, entry) in table.iter_mut().enumerate() {
             let masks = [index & 7, index >> 3 & 7, index >> 6 & 7];
-            let mut rest = index / COMBINATIONS;
+            let mut rest = (index / COMBINATIONS) as u32;
             let piece = pieces.map(|halvings| {
                 let along = rest & ((1 << halvings) - 1);
                 rest >>= halvings;
-                along as i32
+                along.cast_signed()
             });
             let grains = grains_of(cell, pieces, piece, masks);
             let needed = grains.len().div_ceil(GRAINS_PER_BLOCK);
@@ -95,7 +95,7 @@ impl LatticeCells {
                 blocks.push(block);
             }
         }
-        let inner = counts.map(|n| n as i32);
+        let inner = counts.map(u32::cast_signed);
         let cells = std::array::from_fn(|axis| {
             (inner[axis] + if periodic[axis] { 0 } else { 2 }) << pieces[axis]
         });
@@ -120,7 +120,8 @@ impl LatticeCells {
         let piece = |axis: usize| (cell[axis] & ((1 << self.pieces[axis]) - 1)) as usize;
         let [x, y, _] = self.pieces;
         let piece = piece(0) | piece(1) << x | piece(2) << (x + y);
-        self.table[mask(0) | mask(1) << 3 | mask(2) << 6 | piece * COMBINATIONS]
+        let combination = mask(0) | mask(1) << 3 | mask(2) << 6;
+        self.table[piece * COMBINATIONS + combination]
     }
 }
 
@@ -140,12 +141,12 @@ fn grains_of(
     let side: [i32; 3] = std::array::from_fn(|axis| cell.side_quanta[axis] >> pieces[axis]);
     for neighbour in 0..27 {
         let step = [neighbour % 3, neighbour / 3 % 3, neighbour / 9];
-        if (0..3).any(|axis| masks[axis] >> step[axis] & 1 == 0) {
+        if (0..3).any(|axis| (masks[axis] >> step[axis]) & 1 == 0) {
             continue;
         }
         for basis in &cell.basis {
             let center: [i32; 3] = std::array::from_fn(|axis| {
-                let cells_away = step[axis] as i32 - 1;
+                let cells_away = step[axis] - 1;
                 basis[axis] + cells_away * cell.side_quanta[axis] - piece[axis] * side[axis]
             });
             if reaches_cell(center, cell.radius_quanta, side) {

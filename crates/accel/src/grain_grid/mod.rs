@@ -231,7 +231,7 @@ impl GrainGrid {
         }
     }
 
-    /// Packs grains; see [`build`].
+    /// Packs grains into cells of a few of their radii.
     ///
     /// # Errors
     /// Snow whose sizes or extent do not fit the structure.
