@@ -145,11 +145,13 @@ fn a_lattice_cube_under_the_sky_has_the_radiance_of_an_independent_walker() {
     assert_eq!(measure.trapped.mean, 0.0);
 }
 
-/// The long checks: about a minute of both cores of a small machine.
-/// `cargo test --release -p snowgrain-tests --test oracle_measures -- --ignored`
+/// The long checks, of the full profile only (`SNOWGRAIN_FULL=1`, see the README): about a minute of
+/// both cores of a small machine.
 #[test]
-#[ignore = "takes a minute"]
 fn long_runs_trap_no_light_and_meet_the_reference_closely() {
+    if std::env::var_os("SNOWGRAIN_FULL").is_none_or(|value| value != "1") {
+        return;
+    }
     let row = rows("sc", TableLight::Lambertian)[3];
     let slab = Slab::simple_cubic(row.layers(), ETA);
     check_identities(&slab, &check_row(&slab, Illumination::Lambertian, &row, 40_000));

@@ -90,7 +90,8 @@ impl Quantisation {
         }
         let p = ((center - self.origin) / self.quantum).round();
         let reach = f64::from(Self::MAX_COORDINATE);
-        if !(p.abs().max_element() <= reach) || p.is_nan() {
+        let within = p.abs().cmple(DVec3::splat(reach)).all();
+        if !within {
             return Err(GeometryError::OutOfLattice {
                 x: center.x,
                 y: center.y,

@@ -90,7 +90,7 @@ impl LatticeCell {
 
     /// The grains of the full lattice, cell by cell (x fastest, then y, then z).
     pub fn grains(&self) -> impl Iterator<Item = QuantisedGrain> + '_ {
-        let [nx, ny, nz] = self.counts.map(|n| n as i32);
+        let [nx, ny, nz] = self.counts.map(u32::cast_signed);
         let cells =
             (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
         cells.flat_map(move |cell| {

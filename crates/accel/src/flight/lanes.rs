@@ -32,8 +32,8 @@ impl<T: Copy> Axes<T> {
     }
 
     pub(crate) fn set(&mut self, lane: usize, value: [T; 3]) {
-        for axis in 0..3 {
-            self.0[axis][lane] = value[axis];
+        for (array, value) in self.0.iter_mut().zip(value) {
+            array[lane] = value;
         }
     }
 }

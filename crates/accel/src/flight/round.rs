@@ -158,14 +158,14 @@ pub(super) fn settle(flight: &mut Flight<'_>, lane: usize) {
     let grid = flight.grid;
     let lanes = &mut flight.lanes;
     let mut cell = lanes.cell.get(lane);
-    for axis in 0..3 {
+    for (axis, index) in cell.iter_mut().enumerate() {
         let n = grid.cells[axis];
-        if (cell[axis] as u32) < n as u32 {
+        if (0..n).contains(index) {
             continue;
         }
         if grid.periodic[axis] {
-            cell[axis] = cell[axis].rem_euclid(n);
-            lanes.cell.0[axis][lane] = cell[axis];
+            *index = index.rem_euclid(n);
+            lanes.cell.0[axis][lane] = *index;
         } else {
             lanes.mode[lane] = mode::PAUSED;
             flight.events.push((lane, FlightEvent::Left));

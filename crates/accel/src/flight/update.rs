@@ -97,13 +97,13 @@ fn uniform<S: Simd>(simd: S, lo: u32x16<S>, hi: u32x16<S>, event: u32x16<S>) -> 
     let increment = u32x16::splat(simd, 1_013_904_223);
     let (mut x, mut y, mut z) =
         (lo * multiplier + increment, hi * multiplier + increment, event * multiplier + increment);
-    x = x + y * z;
-    y = y + z * x;
-    z = z + x * y;
-    x = x ^ (x >> 16);
-    y = y ^ (y >> 16);
-    z = z ^ (z >> 16);
-    x = x + y * z;
+    x += y * z;
+    y += z * x;
+    z += x * y;
+    x ^= x >> 16;
+    y ^= y >> 16;
+    z ^= z >> 16;
+    x += y * z;
     let top: i32x16<S> = (x >> 8).bitcast();
     simd.cvt_f32_i32x16(top) * F::splat(simd, 1.0 / 16_777_216.0)
 }
@@ -241,7 +241,7 @@ pub(crate) fn update_group<S: Simd>(
     let key_hi = words(simd, &lanes.key_hi, at);
     let mut event = words(simd, &lanes.event, at);
     let passes = uniform(simd, key_lo, key_hi, event).simd_lt(transmittance);
-    event = event + interface.select(word(1), word(0));
+    event += interface.select(word(1), word(0));
     let enter = hit & passes;
     let leave = end & passes;
     let inside = enter | (end & !passes);
@@ -269,7 +269,7 @@ pub(crate) fn update_group<S: Simd>(
     let mut waiting = enter & lone;
     while waiting.any_true() {
         let out = waiting & uniform(simd, key_lo, key_hi, event).simd_lt(transmittance);
-        event = event + waiting.select(word(1), word(0));
+        event += waiting.select(word(1), word(0));
         let back = waiting & !out;
         let weight =
             out.select(cos_outside - eta * cos_inside, zero - two * new_direction.dot(far_normal));
@@ -279,7 +279,7 @@ pub(crate) fn update_group<S: Simd>(
         let next = new_position.plus(new_direction, inner_chord).minus(center).unit();
         new_position = Vector::choose(back, center.plus(next, radius), new_position);
         far_normal = Vector::choose(back, next, far_normal);
-        ice_length = ice_length + back.select(inner_chord, zero);
+        ice_length += back.select(inner_chord, zero);
         waiting = back;
     }
     let chord_open = inside & !lone;
