@@ -121,6 +121,9 @@ impl<'a> Flight<'a> {
         lanes.turns[lane] = 0;
         lanes.mode[lane] = mode::AIR;
         round::settle(self, lane);
+        if self.lanes.mode[lane] != mode::PAUSED {
+            self.fetch_entry(lane);
+        }
     }
 
     /// Outward unit normal of the grain that the path of `lane` is in, at the end of its chord.
@@ -170,6 +173,9 @@ impl<'a> Flight<'a> {
             round::begin_chord(self.grid, lanes, lane);
         }
         round::settle(self, lane);
+        if self.lanes.mode[lane] != mode::PAUSED {
+            self.fetch_entry(lane);
+        }
     }
 
     /// Ends the path of `lane`.

@@ -32,9 +32,16 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut Flight<'_>) {
         for at in (0..flight.in_use).step_by(GROUP) {
             update_group(simd, flight.grid, flight.ice, &mut flight.lanes, at);
         }
+        // Two passes: the entries of all cells are on their way before the first is needed, and the
+        // blocks that they name before the next round.
         for lane in 0..flight.in_use {
             if flight.lanes.mode[lane] != mode::PAUSED {
                 settle(flight, lane);
+            }
+        }
+        for lane in 0..flight.in_use {
+            if flight.lanes.mode[lane] != mode::PAUSED {
+                flight.fetch_entry(lane);
             }
         }
     }
@@ -139,7 +146,7 @@ pub(super) fn begin_chord(grid: &GrainGrid, lanes: &mut Lanes, lane: usize) {
 }
 
 /// After a move: has the path met a surface inside its grain, left the grid, or been trapped? Else
-/// looks up its new cell.
+/// its new cell is asked for.
 #[inline(always)]
 pub(super) fn settle(flight: &mut Flight<'_>, lane: usize) {
     let lanes = &mut flight.lanes;
@@ -172,7 +179,7 @@ pub(super) fn settle(flight: &mut Flight<'_>, lane: usize) {
             return;
         }
     }
-    flight.lanes.entry[lane] = flight.fetchable_entry(cell);
+    grid.prefetch_entry(cell);
 }
 
 /// In a grain that reaches a surface: does the chord that was just made meet it?
@@ -197,6 +204,12 @@ fn meet_surface_in_ice(flight: &mut Flight<'_>, lane: usize) -> bool {
 }
 
 impl Flight<'_> {
+    /// Looks up the cell that the path of `lane` is in.
+    #[inline(always)]
+    pub(super) fn fetch_entry(&mut self, lane: usize) {
+        self.lanes.entry[lane] = self.fetchable_entry(self.lanes.cell.get(lane));
+    }
+
     /// The entry of a cell, its first block already on the way from memory. A periodic grid does
     /// not cross bricks in one step: they need not divide its period.
     #[inline(always)]

@@ -1,5 +1,6 @@
 //! Sixteen grains in two cache lines.
 
+use crate::prefetch::prefetch;
 use bytemuck::{Pod, Zeroable};
 
 /// Grains in a [`Block`].
@@ -37,15 +38,7 @@ impl Block {
     /// Asks for both cache lines ahead of their use.
     #[inline(always)]
     pub(crate) fn prefetch(&self) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let start = std::ptr::from_ref(self).cast::<i8>();
-            #[expect(unsafe_code, reason = "a prefetch reads nothing; both addresses lie in self")]
-            unsafe {
-                _mm_prefetch::<_MM_HINT_T0>(start);
-                _mm_prefetch::<_MM_HINT_T0>(start.add(64));
-            }
-        }
+        prefetch(&self.x);
+        prefetch(&self.z);
     }
 }

@@ -223,6 +223,14 @@ impl GrainGrid {
         self.quantisation.origin() + DVec3::from_array(quanta) * self.quantum()
     }
 
+    /// Asks for a cell's entry ahead of its use.
+    #[inline(always)]
+    pub(crate) fn prefetch_entry(&self, cell: [i32; 3]) {
+        if let Cells::Packed(cells) = &self.storage {
+            cells.prefetch(cell);
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn entry(&self, cell: [i32; 3]) -> CellEntry {
         match &self.storage {

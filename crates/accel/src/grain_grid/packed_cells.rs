@@ -1,6 +1,7 @@
 //! Where the blocks of arbitrary snow are found.
 
 use super::{CellEntry, GridError};
+use crate::prefetch::prefetch;
 
 /// Cells along an edge of a brick.
 pub(crate) const BRICK: i32 = 8;
@@ -41,6 +42,15 @@ impl PackedCells {
         match self.table[self.brick_of(cell)] {
             NO_BRICK => CellEntry::EMPTY_BRICK,
             brick => self.entries[brick as usize * CELLS_PER_BRICK + within_brick(cell)],
+        }
+    }
+
+    /// Asks for a cell's entry ahead of its use.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, cell: [i32; 3]) {
+        let brick = self.table[self.brick_of(cell)];
+        if brick != NO_BRICK {
+            prefetch(&self.entries[brick as usize * CELLS_PER_BRICK + within_brick(cell)]);
         }
     }
 
