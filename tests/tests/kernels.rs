@@ -183,7 +183,7 @@ impl Case {
             released += fast.releases;
             let (fast_direction, fast_light) = match fast.end {
                 transport::PathEnd::Escaped(ray) => (Some(ray.direction), fast.throughput),
-                transport::PathEnd::Absorbed => (None, [0.0; 3]),
+                transport::PathEnd::Absorbed | transport::PathEnd::Enclosed => (None, [0.0; 3]),
             };
             let exact_direction = exact.escaped_direction();
             assert!(exact.end != PathEnd::Trapped);

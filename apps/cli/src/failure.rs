@@ -112,7 +112,9 @@ impl From<RenderError> for Failure {
         let message = error.to_string();
         let code = match error {
             RenderError::Snow { source, .. } => Self::from(source).code,
-            RenderError::Grid(_) | RenderError::Memory { .. } => exit::REFUSED,
+            RenderError::Grid(_) | RenderError::Memory { .. } | RenderError::Enclosed { .. } => {
+                exit::REFUSED
+            }
             RenderError::Film(source) => Self::from(source).code,
         };
         Self::new(code, message)

@@ -22,6 +22,16 @@ pub enum RenderError {
     /// The film refused a sample or a size.
     #[error("{0}")]
     Film(#[from] FilmError),
+    /// Objects that absorb nothing enclose the light.
+    #[error(
+        "light seen in pixel ({x}, {y}) is enclosed by objects of albedo 1 and never gets out; give them a lower albedo, or an opening"
+    )]
+    Enclosed {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+    },
     /// The scene needs more memory than there is.
     #[error(
         "the scene needs about {needed} of memory and {available} may be used ({limit}); use fewer or larger grains, a smaller picture, or raise --max-memory"

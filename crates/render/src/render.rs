@@ -135,7 +135,7 @@ fn render_tile(
     };
     trace(&scene.world, level, &mut source);
     match source.fault {
-        Some(fault) => Err(fault.into()),
+        Some(fault) => Err(fault),
         None => Ok((source.tile, source.statistics)),
     }
 }
@@ -148,7 +148,7 @@ struct TileSource<'a> {
     sample: u64,
     samples: Range<u64>,
     statistics: Statistics,
-    fault: Option<snowgrain_film::FilmError>,
+    fault: Option<RenderError>,
 }
 
 impl PathSource for TileSource<'_> {
@@ -164,7 +164,7 @@ impl PathSource for TileSource<'_> {
             }
         }
         let (x, y) = self.pixel;
-        if y >= rect.y1 || self.samples.is_empty() {
+        if y >= rect.y1 || self.samples.is_empty() || self.fault.is_some() {
             return None;
         }
         let film = &self.scene.film;
@@ -178,8 +178,10 @@ impl PathSource for TileSource<'_> {
 
     fn finish(&mut self, (x, y): Self::Tag, path: &PathResult) {
         self.statistics.count(path);
-        if let Err(fault) = self.tile.add(x, y, &self.sample_of(path)) {
-            self.fault.get_or_insert(fault);
+        if path.end == PathEnd::Enclosed {
+            self.fault.get_or_insert(RenderError::Enclosed { x, y });
+        } else if let Err(fault) = self.tile.add(x, y, &self.sample_of(path)) {
+            self.fault.get_or_insert(fault.into());
         }
     }
 }
@@ -195,7 +197,7 @@ impl TileSource<'_> {
                 let ice = if ice == 0.0 { 1.0 } else { trig::exp(ice) as f32 };
                 std::array::from_fn(|c| light[c] * path.throughput[c] * ice)
             }
-            (PathEnd::Absorbed, _) => [0.0; 3],
+            (PathEnd::Absorbed | PathEnd::Enclosed, _) => [0.0; 3],
         };
         match path.first_hit {
             None => Sample { radiance, alpha: 0.0, depth: f32::INFINITY, ..Sample::default() },

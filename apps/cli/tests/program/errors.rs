@@ -210,3 +210,11 @@ fn a_full_disk_is_74_and_leaves_the_old_file() {
     assert_eq!(place.bytes("a.exr"), b"old");
     assert_eq!(place.names(), ["a.exr"]);
 }
+
+#[test]
+fn a_closed_white_room_is_69() {
+    let scene = "version = 1\n[film]\nwidth = 8\nheight = 8\nsamples_per_pixel = 1\n\
+        [camera]\nfrom = [0, 0, 0.5]\nat = [0, 0, -1]\n[[light]]\nkind = \"sky\"\n\
+        [[object]]\nshape = \"box\"\nalbedo = 1.0\n";
+    refuses_scene(scene, 69, &["enclosed", "albedo"]);
+}

@@ -33,6 +33,9 @@ pub enum PathEnd {
     Escaped(Ray),
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
+    /// It bounced [`MAX_BOUNCES_WITHOUT_LOSS`] times off objects that absorb nothing: they enclose it,
+    /// and it would go on for ever. A scene where this happens is refused.
+    Enclosed,
 }
 
 /// What a path met first.
@@ -79,6 +82,9 @@ pub trait PathSource {
     /// Takes a result; results come in any order.
     fn finish(&mut self, tag: Self::Tag, result: &PathResult);
 }
+
+/// Diffuse bounces after which a path whose throughput roulette still leaves alone counts as enclosed.
+pub const MAX_BOUNCES_WITHOUT_LOSS: u32 = 200_000;
 
 /// Throughput under which roulette decides: below it a path survives with probability
 /// throughput / threshold and goes on at the threshold, which leaves the mean unchanged.

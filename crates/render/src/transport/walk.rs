@@ -1,6 +1,9 @@
 //! Drives a [`Flight`]: fills its lanes from a source and answers its events.
 
-use super::{FirstHit, NewPath, PathEnd, PathResult, PathSource, ROULETTE_THRESHOLD};
+use super::{
+    FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
+    ROULETTE_THRESHOLD,
+};
 use crate::World;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{Flight, FlightEvent, SimdLevel, SurfaceHit, SurfaceId};
@@ -108,8 +111,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
             }
             FlightEvent::Surface(hit) => {
                 match self.scatter(lane, &hit, self.flight.ray(lane).origin) {
-                    None => Some(PathEnd::Absorbed),
-                    Some(ray) => {
+                    Err(end) => Some(end),
+                    Ok(ray) => {
                         let event = self.flight.travelled(lane).event;
                         self.flight.bounce(lane, ray.direction, hit.id, event);
                         None
@@ -147,8 +150,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 }
                 (Some(hit), _) => {
                     match self.scatter(lane, &hit, ray.at(hit.t)) {
-                        None => return Some(PathEnd::Absorbed),
-                        Some(next) => ray = next,
+                        Err(end) => return Some(end),
+                        Ok(next) => ray = next,
                     }
                     excluded = Some(hit.id);
                     may_enter = true;
@@ -171,8 +174,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
         self.flight.release(lane, direction, event + 1);
     }
 
-    /// A diffuse bounce at `position`: the next ray, or `None` where the path ends.
-    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Option<Ray> {
+    /// A diffuse bounce at `position`: the next ray, or how the path ends.
+    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Result<Ray, PathEnd> {
         let event = self.flight.travelled(lane).event;
         let visits = self.flight.travelled(lane).grain_visits;
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
@@ -191,12 +194,15 @@ impl<Tag: Copy> Walk<'_, Tag> {
         if largest < ROULETTE_THRESHOLD {
             let survival = largest / ROULETTE_THRESHOLD;
             if u0 >= survival {
-                return None;
+                return Err(PathEnd::Absorbed);
             }
             walker.throughput = walker.throughput.map(|t| t / survival);
         }
+        if walker.surface_bounces >= MAX_BOUNCES_WITHOUT_LOSS {
+            return Err(PathEnd::Enclosed);
+        }
         let direction = frame::cosine_hemisphere(hit.normal, [f64::from(u1), f64::from(u2)]);
-        Some(Ray::new(position, direction))
+        Ok(Ray::new(position, direction))
     }
 
     fn finish<Source: PathSource<Tag = Tag>>(
