@@ -7,11 +7,12 @@ use std::path::Path;
 
 /// A file opened to read, and its length in bytes.
 pub(crate) fn open(path: &Path) -> Result<(BufReader<File>, u64), FormatsError> {
-    let file = File::open(path).map_err(|source| FormatsError::opening(path, source))?;
-    let metadata = file.metadata().map_err(|source| FormatsError::opening(path, source))?;
+    // Asked before it is opened: opening a pipe would wait for whoever writes into it.
+    let metadata = path.metadata().map_err(|source| FormatsError::opening(path, source))?;
     if !metadata.is_file() {
         return Err(Fault::whole("this is not a regular file", "name a file").of(path));
     }
+    let file = File::open(path).map_err(|source| FormatsError::opening(path, source))?;
     Ok((BufReader::with_capacity(1 << 20, file), metadata.len()))
 }
 

@@ -19,13 +19,15 @@ pub enum GeometryError {
         /// Farthest coordinate that can be stored, metres.
         reach: f64,
     },
-    /// A radius is not a positive finite number, or larger than the lattice was made for.
+    /// A radius is not a positive finite number, or outside what the lattice was made for.
     #[error(
-        "a grain radius of {radius} m cannot be stored; radii of this snow go up to {largest} m"
+        "a grain radius of {radius} m cannot be stored; radii of this snow go from {smallest} to {largest} m: grains of one scene may differ in size by less than 1 to 10 000"
     )]
     BadRadius {
         /// The radius, metres.
         radius: f64,
+        /// Least radius that does not round to nothing, metres.
+        smallest: f64,
         /// Largest radius of the lattice, metres.
         largest: f64,
     },

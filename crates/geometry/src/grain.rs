@@ -82,11 +82,12 @@ impl Quantisation {
     /// Rounds a grain to the lattice (ties away from zero).
     ///
     /// # Errors
-    /// A radius that is negative, not finite or too large; a position out of reach.
+    /// A radius that is not finite, too large, or so small that it rounds to nothing; a position out of reach.
     pub fn round(&self, center: DVec3, radius: f64) -> Result<QuantisedGrain, GeometryError> {
         let quanta = (radius / self.quantum).round();
-        if !(quanta >= 0.0 && quanta <= f64::from(Self::MAX_RADIUS_QUANTA)) {
-            return Err(GeometryError::BadRadius { radius, largest: self.largest_radius() });
+        if !(quanta >= 1.0 && quanta <= f64::from(Self::MAX_RADIUS_QUANTA)) {
+            let (smallest, largest) = (0.5 * self.quantum, self.largest_radius());
+            return Err(GeometryError::BadRadius { radius, smallest, largest });
         }
         let p = ((center - self.origin) / self.quantum).round();
         let reach = f64::from(Self::MAX_COORDINATE);

@@ -31,7 +31,7 @@ use ground::Ground;
 use rules::{Drop, Fate};
 
 pub use fill::reached_solid_fraction;
-use snowgrain_accel::{GrainStacks, PlanRectangle, SimdLevel, Surfaces};
+use snowgrain_accel::{GrainStacks, GrainStacksError, PlanRectangle, SimdLevel, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 
 /// Drops in a row without a grain that lies, after which a snowfall gives up.
@@ -300,12 +300,12 @@ impl Falling<'_> {
             self.drops += 1;
             match fate {
                 Fate::Rests(grain) => {
-                    self.stacks.push(grain)?;
+                    self.store(grain)?;
                     self.report.accepted += 1;
                     last_success = self.drops;
                 }
                 Fate::Unsettled(grain) => {
-                    self.stacks.push(grain)?;
+                    self.store(grain)?;
                     self.report.accepted += 1;
                     self.report.unsettled += 1;
                     last_success = self.drops;
@@ -320,6 +320,23 @@ impl Falling<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Stores a grain; where it rolled out of the plan, the plan grows by as much again, which
+    /// changes no answer.
+    fn store(&mut self, grain: QuantisedGrain) -> Result<(), GrainsError> {
+        let mut reach = 32 * i32::from(grain.radius.max(1));
+        loop {
+            match self.stacks.push(grain) {
+                Err(GrainStacksError::OutsideArea) => {
+                    let around = |c: i32| (c.saturating_sub(reach), c.saturating_add(reach));
+                    let (x, z) = (around(grain.center[0]), around(grain.center[2]));
+                    self.stacks.cover(PlanRectangle { min: [x.0, z.0], max: [x.1, z.1] })?;
+                    reach = reach.saturating_mul(2);
+                }
+                stored => return Ok(stored.map(|_| ())?),
+            }
+        }
     }
 }
 

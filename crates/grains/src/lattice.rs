@@ -48,7 +48,8 @@ impl LatticeCell {
         let radius = (settings.radius / quantum).round();
         if !(1.0..=f64::from(Quantisation::MAX_RADIUS_QUANTA)).contains(&radius) {
             let (radius, largest) = (settings.radius, quantisation.largest_radius());
-            return Err(GeometryError::BadRadius { radius, largest }.into());
+            let smallest = 0.5 * quantum;
+            return Err(GeometryError::BadRadius { radius, smallest, largest }.into());
         }
         let spacing = spacing(settings)? / quantum;
         // A spacing of two radii means touching, whatever the two were rounded to.

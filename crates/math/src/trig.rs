@@ -45,6 +45,12 @@ pub fn exp_f32(x: f32) -> f32 {
     libm::expf(x)
 }
 
+/// Cube root.
+#[must_use]
+pub fn cbrt(x: f64) -> f64 {
+    libm::cbrt(x)
+}
+
 /// Natural logarithm; `x > 0`.
 #[must_use]
 pub fn ln(x: f64) -> f64 {

@@ -19,7 +19,8 @@ impl Camera {
     #[must_use]
     pub fn new(camera: &CameraDescription, film: &FilmDescription) -> Self {
         let forward = (camera.at - camera.from).normalize();
-        let right = forward.cross(camera.up).normalize();
+        let up = camera.up / camera.up.abs().max_element();
+        let right = forward.cross(up).normalize();
         let down = forward.cross(right);
         let (width, height) = (f64::from(film.width), f64::from(film.height));
         let half_height = trig::tan(camera.vertical_fov_degrees.to_radians() * 0.5);

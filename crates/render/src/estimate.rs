@@ -4,14 +4,22 @@ use crate::camera::Camera;
 use crate::description::{ObjectDescription, ObjectShape, SceneDescription, SnowDescription};
 use core::f64::consts::PI;
 use snowgrain_film::{PixelRect, PixelSums};
-use snowgrain_geometry::{QuantisedGrain, teapot::teapot};
-use snowgrain_grains::{Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeSettings};
+use snowgrain_geometry::{Quantisation, QuantisedGrain, teapot::teapot};
+use snowgrain_grains::{
+    Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeCell, LatticeSettings,
+};
 use snowgrain_math::{Aabb, DVec3};
 
 /// Bytes a grain of the packed grid: measured 75 in thick snow, 107 in thin snow, where more cells
 /// hold few grains. The structure that grains fall on takes less (about 20) and is gone before they
 /// are packed.
 const GRID_BYTES_PER_GRAIN: f64 = 110.0;
+/// Bytes a grain while it falls and is measured: the stacks, the list made of them, and a copy.
+const FALL_BYTES_PER_GRAIN: f64 = 64.0;
+/// Edges of the packed grid's cells and bricks where snow is thin (`snowgrain_accel::GrainGrid`).
+const SIDE_IN_RADII: f64 = 4.0;
+const CELLS_PER_BRICK_EDGE: f64 = 8.0;
+const BYTES_PER_BRICK: f64 = 2048.0;
 /// Bytes a triangle: as loaded, and in the structure that finds it.
 const BYTES_PER_TRIANGLE: f64 = 180.0;
 /// Bytes a pixel beside the sums: layers, and their encoding.
@@ -76,6 +84,7 @@ impl CostEstimate {
             };
             bounds = bounds.union(&body);
             cost.add_snow(snow, grains);
+            cost.add_cells(grains, &body, radius_of(snow));
         }
         if implicit(description, &objects) {
             (cost.grain_bytes, cost.building_bytes, cost.build_seconds) = (0, 0, 0.0);
@@ -100,6 +109,26 @@ impl CostEstimate {
         [self.building_bytes, self.surface_bytes, self.film_bytes]
             .into_iter()
             .fold(self.grain_bytes, u64::saturating_add)
+    }
+
+    /// The memory that `snowgrain deposit` takes: grains fall and are kept, nothing is packed.
+    #[must_use]
+    pub fn of_fall(description: &SceneDescription) -> Self {
+        let all = Self::of(description, PixelRect::new(0, 0, 1, 1));
+        let building_bytes = (all.grains as f64 * FALL_BYTES_PER_GRAIN) as u64;
+        Self { grain_bytes: 0, building_bytes, film_bytes: 0, render_seconds: 0.0, ..all }
+    }
+
+    /// The table of bricks of cells, and the entries of those that hold grains: for snow that is
+    /// spread thin they outweigh the grains.
+    fn add_cells(&mut self, grains: f64, body: &Aabb, radius: f64) {
+        if body.is_empty() || radius <= 0.0 {
+            return;
+        }
+        let size = body.size() / (CELLS_PER_BRICK_EDGE * SIDE_IN_RADII * radius);
+        let bricks = (size.x + 1.0) * (size.y + 1.0) * (size.z + 1.0);
+        let held = bricks.min(8.0 * grains);
+        self.grain_bytes += (4.0 * bricks + BYTES_PER_BRICK * held) as u64;
     }
 
     fn add_snow(&mut self, snow: &SnowDescription, grains: f64) {
@@ -174,14 +203,37 @@ fn lattice_box(settings: &LatticeSettings) -> Aabb {
 }
 
 /// Whether the snow is one whole lattice clear of all objects, which takes no memory.
+/// Radius of the grains of some snow, metres: the largest, where they differ.
+fn radius_of(snow: &SnowDescription) -> f64 {
+    match snow {
+        SnowDescription::Deposit(settings) => settings.radii.largest(),
+        SnowDescription::Lattice(settings) => settings.radius,
+        SnowDescription::Grains(field) => {
+            f64::from(field.largest_radius_quanta()) * field.quantisation.quantum()
+        }
+    }
+}
+
 fn implicit(description: &SceneDescription, objects: &Aabb) -> bool {
     let [SnowDescription::Lattice(settings)] = description.snow.as_slice() else { return false };
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, settings.radius);
+    let Ok(cell) = LatticeCell::new(settings, &quantisation) else { return false };
+    let sides = DVec3::from_array(cell.side_quanta.map(f64::from)) * quantisation.quantum();
     let body = lattice_box(settings);
+    let body = Aabb::new(body.min - 2.0 * sides, body.max + 2.0 * sides);
+    let packed = snowgrain_accel::LatticeCell {
+        side_quanta: cell.side_quanta,
+        basis: cell.basis,
+        radius_quanta: cell.radius,
+    };
+    if cell.kept != settings.full_count() || packed.pieces().is_none() {
+        return false;
+    }
     let apart = objects.is_empty()
         || objects.max.cmplt(body.min).any()
         || objects.min.cmpgt(body.max).any();
     let infinite = description.objects.iter().any(|o| matches!(o.shape, ObjectShape::Plane));
-    apart && !infinite && !(settings.density.is_some() && settings.spacing.is_some())
+    apart && !infinite
 }
 
 fn triangles(object: &ObjectDescription) -> f64 {

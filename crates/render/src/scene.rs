@@ -7,7 +7,9 @@ use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
-use snowgrain_grains::{DepositReport, GrainField, LatticeCell, LatticeSettings, Snowfall};
+use snowgrain_grains::{
+    DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
+};
 use snowgrain_math::{Aabb, DVec3};
 use std::sync::Arc;
 
@@ -165,14 +167,16 @@ fn implicit_lattice(
         basis: cell.basis.clone(),
         radius_quanta: cell.radius,
     };
-    if packed.pieces().is_none() {
+    if !whole || packed.pieces().is_none() {
         return Ok(None);
     }
-    let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3])?;
-    if !whole || (!surfaces.is_empty() && surfaces.may_cross(&grid.bounds())) {
+    let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3]);
+    let Some(grid) =
+        grid.ok().filter(|grid| surfaces.is_empty() || !surfaces.may_cross(&grid.bounds()))
+    else {
         return Ok(None);
-    }
-    let digest = GrainDigest::new(quantisation, cell.grains());
+    };
+    let digest = GrainDigest::of_lattice(quantisation, &cell);
     Ok(Some((grid, digest)))
 }
 
@@ -184,6 +188,7 @@ fn fall(
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<GrainField, RenderError> {
     let quantisation = quantisation_of(description, surfaces);
+    check_sizes(description, quantisation)?;
     let mut snowfall = Snowfall::on_surfaces(quantisation, surfaces);
     for (index, snow) in description.snow.iter().enumerate() {
         stage(BuildStage::Snow { index });
@@ -195,6 +200,34 @@ fn fall(
         report.snowfalls.push(result.map_err(|source| RenderError::Snow { index, source })?);
     }
     Ok(snowfall.into_field())
+}
+
+/// Least mean radius, in quanta, of grains that share a scene with larger ones.
+const LEAST_MEAN_RADIUS_QUANTA: f64 = 32.0;
+
+/// Refuses snow whose grains are so much smaller than others of the scene that rounding to their
+/// common quanta would change them.
+fn check_sizes(
+    description: &SceneDescription,
+    quantisation: Quantisation,
+) -> Result<(), RenderError> {
+    for (index, snow) in description.snow.iter().enumerate() {
+        let mean = match snow {
+            SnowDescription::Deposit(settings) => settings.radii.mean,
+            SnowDescription::Lattice(settings) => settings.radius,
+            SnowDescription::Grains(_) => continue,
+        };
+        let least = LEAST_MEAN_RADIUS_QUANTA * quantisation.quantum();
+        if mean < least {
+            let largest = quantisation.largest_radius();
+            let reason = format!(
+                "{mean} m is too small beside grains of {largest} m in the same scene; use at least {least:.3e} m"
+            );
+            let source = GrainsError::Setting { key: "radius", reason };
+            return Err(RenderError::Snow { index, source });
+        }
+    }
+    Ok(())
 }
 
 /// One lattice of quanta for all snow of a scene: that of a grain file where it holds all other
@@ -230,7 +263,10 @@ fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quant
             }
         }
     }
-    if let Some(quantisation) = from_file.filter(|q| largest <= q.largest_radius()) {
+    let usable = |q: &Quantisation| {
+        largest <= q.largest_radius() && (!at_origin || q.origin() == DVec3::ZERO)
+    };
+    if let Some(quantisation) = from_file.filter(usable) {
         return quantisation;
     }
     let origin = if bounds.is_empty() || at_origin { DVec3::ZERO } else { bounds.center().round() };

@@ -2,12 +2,28 @@
 
 use crate::description::{LightDescription, ObjectShape, SceneDescription};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_grains::LatticeCell;
 
 /// Digest of grains as they are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GrainDigest([u8; 32]);
 
 impl GrainDigest {
+    /// Of a whole lattice, by what defines its grains.
+    pub(crate) fn of_lattice(quantisation: Quantisation, cell: &LatticeCell) -> Self {
+        let mut hash = Hash(blake3::Hasher::new());
+        hash.tag("lattice");
+        hash.words(&cell.counts);
+        hash.words(&cell.side_quanta.map(i32::cast_unsigned));
+        for basis in &cell.basis {
+            hash.words(&basis.map(i32::cast_unsigned));
+        }
+        hash.words(&[u32::from(cell.radius)]);
+        hash.doubles(&quantisation.origin().to_array());
+        hash.doubles(&[quantisation.quantum()]);
+        Self(*hash.0.finalize().as_bytes())
+    }
+
     /// Of all grains, in their order.
     #[must_use]
     pub(crate) fn new(

@@ -10,7 +10,6 @@ use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::summary::{SnowfallFigures, grouped, snowfalls};
 use serde::Serialize;
-use snowgrain_film::PixelRect;
 use snowgrain_formats::{atomic, write_grains};
 use snowgrain_geometry::Grain;
 use snowgrain_grains::measures::Extent;
@@ -31,8 +30,7 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     if description.snow.is_empty() {
         return Err(Failure::bad_input("no [[snow]] in the scene; add one").of(&loaded.name));
     }
-    // The film is not made.
-    let cost = CostEstimate::of(description, PixelRect::new(0, 0, 1, 1));
+    let cost = CostEstimate::of_fall(description);
     if let Some(budget) = Budget::of_this_machine(arguments.max_memory) {
         budget.check(&cost).map_err(|failure| failure.of(&loaded.name))?;
     }

@@ -28,6 +28,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
     let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
     if let Some(path) = &arguments.report.json_stats {
+        if arguments.output.iter().any(|picture| picture.path == *path) {
+            return Err(Failure::usage("--json-stats and --output name the same file; name two"));
+        }
         atomic::check_writable_target(path)?;
     }
     let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);

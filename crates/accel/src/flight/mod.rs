@@ -62,6 +62,17 @@ pub struct FirstGrain {
     pub normal: DVec3,
 }
 
+/// The piece of surface on which a straight stretch began.
+#[derive(Clone, Copy, Debug)]
+struct Departure {
+    id: SurfaceId,
+    /// The random event that the path had then reached: the next interface ends the stretch.
+    event: u32,
+    /// Whether the stretch can meet the piece again farther on (it crosses a sphere or a box from
+    /// within): the piece is then excluded only as long as the path stands on it.
+    returns: bool,
+}
+
 /// 64 paths among the grains of one grid. See the module's page.
 #[derive(Debug)]
 pub struct Flight<'a> {
@@ -70,9 +81,8 @@ pub struct Flight<'a> {
     level: Level,
     ice: Ice,
     lanes: Box<Lanes>,
-    /// The piece of surface that a path left, and the random event that it had then reached: the
-    /// piece is excluded until the next interface turns the path.
-    left: [Option<(SurfaceId, u32)>; LANES],
+    /// The piece of surface that a path left.
+    left: [Option<Departure>; LANES],
     events: Vec<(usize, FlightEvent)>,
     /// Lanes that are looked at: all paths in flight are in the first ones.
     in_use: usize,
@@ -152,7 +162,7 @@ impl<'a> Flight<'a> {
         lanes.turns[lane] = 0;
         lanes.mode[lane] = mode::AIR;
         lanes.entry[lane] = entry;
-        self.left[lane] = excluded.map(|id| (id, self.lanes.event[lane]));
+        self.left[lane] = excluded.map(|id| self.departure(lane, id));
     }
 
     /// Tells that the caller has used the random events before `event`.
@@ -166,7 +176,8 @@ impl<'a> Flight<'a> {
         let lanes = &mut self.lanes;
         lanes.direction.set(lane, unit_f32(direction));
         lanes.event[lane] = event;
-        self.left[lane] = Some((surface, event));
+        self.left[lane] = Some(self.departure(lane, surface));
+        let lanes = &mut self.lanes;
         if lanes.turns[lane] == 0 {
             lanes.mode[lane] = mode::AIR;
         } else {
@@ -237,7 +248,14 @@ impl<'a> Flight<'a> {
     /// The surface on which the present stretch of the path of `lane` began, if it began on one.
     #[must_use]
     pub fn excluded(&self, lane: usize) -> Option<SurfaceId> {
-        self.left[lane].and_then(|(id, event)| (event == self.lanes.event[lane]).then_some(id))
+        let event = self.lanes.event[lane];
+        self.left[lane].filter(|left| left.event == event).map(|left| left.id)
+    }
+
+    /// The departure of the path of `lane` from a surface on which it stands.
+    fn departure(&self, lane: usize, id: SurfaceId) -> Departure {
+        let returns = self.surfaces.is_met_again(&self.ray(lane), id);
+        Departure { id, event: self.lanes.event[lane], returns }
     }
 
     fn place(&self, lane: usize) -> GridPosition {

@@ -36,6 +36,9 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut Flight<'_>) {
         // blocks that they name before the next round.
         for lane in 0..flight.in_use {
             if flight.lanes.mode[lane] != mode::PAUSED {
+                if has_surfaces && flight.left[lane].is_some_and(|left| left.returns) {
+                    flight.left[lane] = None;
+                }
                 settle(flight, lane);
             }
         }
@@ -80,7 +83,15 @@ fn test_lane<S: Simd>(simd: S, grid: &GrainGrid, lanes: &mut Lanes, lane: usize,
 fn meet_surface_in_air(flight: &mut Flight<'_>, lane: usize) {
     let exit = exit_distance(flight.grid, &flight.lanes, lane);
     let found = flight.lanes.found[lane];
-    let stretch = if found <= exit + EXIT_TOLERANCE { found } else { exit };
+    // A surface within the rounding of where the stretch ends is met in this cell, and before a grain
+    // that reaches it: from the far side of the face or of the entry it could be missed.
+    let stretch = if found > exit + EXIT_TOLERANCE {
+        exit + EXIT_TOLERANCE
+    } else if flight.lanes.found_radius[lane] & u32::from(MEETS_SURFACE) != 0 {
+        found + EXIT_TOLERANCE
+    } else {
+        found
+    };
     let ray = flight.ray(lane);
     let quantum = flight.grid.quantum();
     let t_max = f64::from(stretch) * quantum;
@@ -89,8 +100,25 @@ fn meet_surface_in_air(flight: &mut Flight<'_>, lane: usize) {
     let t = (hit.t / quantum) as f32;
     lanes.air_length[lane] += t;
     move_to(flight.grid, lanes, lane, t);
+    keep_inside(flight.grid, lanes, lane);
     lanes.mode[lane] = mode::PAUSED;
     flight.events.push((lane, FlightEvent::Surface(hit)));
+}
+
+/// Brings a path that stands on a surface at an outer face of the grid back into the grid: where it
+/// goes next is not yet known.
+fn keep_inside(grid: &GrainGrid, lanes: &mut Lanes, lane: usize) {
+    for axis in 0..3 {
+        if grid.periodic[axis] {
+            continue;
+        }
+        let cell = lanes.cell.0[axis][lane];
+        let inside = cell.clamp(0, grid.cells[axis] - 1);
+        let shift = (cell - inside) as f32 * grid.side[axis] as f32;
+        lanes.cell.0[axis][lane] = inside;
+        lanes.position.0[axis][lane] += shift;
+        lanes.grain.0[axis][lane] += shift;
+    }
 }
 
 /// Distance to the exit of the cell: the same arithmetic as in the vector update.

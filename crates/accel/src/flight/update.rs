@@ -139,7 +139,10 @@ fn exit_along<S: Simd>(
     let side = F::splat(simd, grid.side[axis] as f32);
     let cell = i32x16::from_slice(simd, &lanes.cell.0[axis][at..at + GROUP]);
     let below = brick.select(cell & seven, none);
-    let above = brick.select(seven - (cell & seven), none);
+    // The last brick may reach beyond the grid, where surfaces must be asked for.
+    let in_brick = seven - (cell & seven);
+    let in_grid = i32x16::splat(simd, grid.cells[axis] - 1) - cell;
+    let above = brick.select(in_brick.simd_lt(in_grid).select(in_brick, in_grid), none);
     let forward = direction.simd_gt(F::splat(simd, 0.0));
     let low = margin - simd.cvt_f32_i32x16(below) * side;
     let high = margin + side + simd.cvt_f32_i32x16(above) * side;

@@ -5,11 +5,11 @@ use super::packed_cells::BRICK;
 use super::{Block, CellEntry, Cells, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells};
 use crate::Surfaces;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
-use snowgrain_math::{Aabb, DVec3};
+use snowgrain_math::{Aabb, DVec3, trig};
 
 /// Rounding of positions while light moves stays far below one quantum; a grain this close to a
 /// cell is listed there too.
-const PAD: i32 = 1;
+pub(super) const PAD: i32 = 1;
 
 /// Grains whose surfaces interpenetrate by less than this many quanta only touch: rounding to the
 /// lattice moves two grains by at most 1.74 quanta against each other.
@@ -33,7 +33,9 @@ pub(super) fn reaches_cell(center: [i32; 3], radius: u16, side: [i32; 3]) -> boo
 
 /// Whether two grains interpenetrate by more than rounding explains.
 pub(super) fn overlaps(a: [i32; 3], radius_a: u16, b: [i32; 3], radius_b: u16) -> bool {
-    let sum = i64::from(radius_a) + i64::from(radius_b) - TOUCH;
+    // Of the smallest grains a few quanta are a large part.
+    let touch = TOUCH.min(i64::from(radius_a.min(radius_b)) / 16);
+    let sum = i64::from(radius_a) + i64::from(radius_b) - touch;
     let distance2: i64 = (0..3)
         .map(|axis| {
             let d = i64::from(a[axis]) - i64::from(b[axis]);
@@ -43,17 +45,17 @@ pub(super) fn overlaps(a: [i32; 3], radius_a: u16, b: [i32; 3], radius_b: u16) -
     sum > 0 && distance2 < sum * sum
 }
 
-/// Longest edge of a cell, quanta, such that every grain that reaches into it (and none is larger
-/// than `margin`) has 16-bit coordinates in cell quanta.
+/// Longest edge of a cell, quanta, such that every grain that reaches into it, from at most `margin`
+/// away, has 16-bit coordinates in cell quanta.
 pub(super) fn longest_side(margin: i32) -> i32 {
-    i32::from(u16::MAX) - 2 * margin - 2 * PAD
+    i32::from(u16::MAX) - 2 * margin
 }
 
 /// Edge of the cells in quanta: such that a cell within the snow lists about [`GRAINS_PER_CELL`]
 /// grains, at least what keeps a grain within its neighbours' cells, at most what 16 bits hold.
 fn choose_side(grains: &[QuantisedGrain], margin: i32) -> Result<i32, GridError> {
     let cubes: f64 = grains.iter().map(|g| cube(f64::from(g.radius))).sum();
-    let radius = (cubes / grains.len().max(1) as f64).cbrt().max(1.0);
+    let radius = trig::cbrt(cubes / grains.len().max(1) as f64).max(1.0);
     let ball = 4.0 / 3.0 * std::f64::consts::PI * cube(radius);
     let density = grains.len() as f64 / occupied_volume(grains, 4.0 * radius)?;
     // Grains whose balls reach into a cube of edge s: their centres fill its parallel body.
@@ -140,7 +142,7 @@ pub(super) fn build(
     surfaces: &Surfaces,
     period: Option<[i64; 2]>,
 ) -> Result<GrainGrid, GridError> {
-    let margin = grains.iter().map(|g| i32::from(g.radius)).max().unwrap_or(0);
+    let margin = grains.iter().map(|g| i32::from(g.radius)).max().unwrap_or(0) + PAD;
     if grains.is_empty() {
         return Ok(GrainGrid {
             quantisation,

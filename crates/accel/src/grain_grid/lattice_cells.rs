@@ -2,7 +2,7 @@
 //! those of neighbours that lie outside the block of crystal.
 
 use super::block::OVERLAPS;
-use super::build::{longest_side, overlaps, reaches_cell};
+use super::build::{PAD, longest_side, overlaps, reaches_cell};
 use super::{Block, CellEntry, GRAINS_PER_BLOCK, GridError};
 use snowgrain_geometry::Quantisation;
 
@@ -23,7 +23,7 @@ impl LatticeCell {
     /// piece would not be a whole number of quanta (a lattice of grains far apart).
     #[must_use]
     pub fn pieces(&self) -> Option<[u32; 3]> {
-        let longest = longest_side(i32::from(self.radius_quanta));
+        let longest = longest_side(i32::from(self.radius_quanta) + PAD);
         let mut pieces = [0; 3];
         for (axis, &side) in self.side_quanta.iter().enumerate() {
             while side >> pieces[axis] > longest {
@@ -137,7 +137,7 @@ fn grains_of(
     masks: [usize; 3],
 ) -> Vec<[u16; 3]> {
     let mut found = Vec::new();
-    let margin = i32::from(cell.radius_quanta);
+    let margin = i32::from(cell.radius_quanta) + PAD;
     let side: [i32; 3] = std::array::from_fn(|axis| cell.side_quanta[axis] >> pieces[axis]);
     for neighbour in 0..27 {
         let step = [neighbour % 3, neighbour / 3 % 3, neighbour / 9];

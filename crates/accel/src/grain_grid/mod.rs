@@ -6,7 +6,7 @@
 //! perfect lattice needs no cells at all ([`LatticeCells`]).
 //!
 //! Positions of light inside a cell are in *cell quanta*: the cell covers `margin..margin + side`
-//! on each axis, where `margin` is the radius of the largest grain, so that all stored coordinates
+//! on each axis, where `margin` is the radius of the largest grain and a little more, so that all stored coordinates
 //! are positive.
 
 mod block;
@@ -123,7 +123,7 @@ pub struct GrainGrid {
     pub(crate) cells: [i32; 3],
     /// Whether the grid repeats along an axis.
     pub(crate) periodic: [bool; 3],
-    /// Radius of the largest grain in quanta: the local coordinate of a cell's low face.
+    /// Local coordinate of a cell's low face: no grain reaches into the cell from farther away.
     pub(crate) margin: i32,
     pub(crate) storage: Cells,
     pub(crate) blocks: Vec<Block>,
@@ -152,6 +152,12 @@ impl GrainGrid {
     #[must_use]
     pub fn quantum(&self) -> f64 {
         self.quantisation.quantum()
+    }
+
+    /// Edges of a cell, metres.
+    #[must_use]
+    pub fn cell_edges(&self) -> DVec3 {
+        DVec3::from_array(self.side.map(f64::from)) * self.quantum()
     }
 
     /// The box of all cells, metres; infinite along periodic axes.
@@ -293,7 +299,7 @@ impl GrainGrid {
             side: std::array::from_fn(|axis| cell.side_quanta[axis] >> pieces[axis]),
             cells,
             periodic,
-            margin: i32::from(cell.radius_quanta),
+            margin: i32::from(cell.radius_quanta) + build::PAD,
             storage: Cells::Lattice(storage),
             blocks,
             grains: counts.iter().map(|&n| u64::from(n)).product::<u64>() * per_cell,

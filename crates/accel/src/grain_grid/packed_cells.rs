@@ -7,6 +7,8 @@ use crate::prefetch::prefetch;
 pub(crate) const BRICK: i32 = 8;
 const CELLS_PER_BRICK: usize = 512;
 const NO_BRICK: u32 = u32::MAX;
+/// Most bricks that the table may number: it takes 1 GiB then.
+const MOST_BRICKS: u128 = 1 << 28;
 
 /// A dense table of bricks, and the entries of the cells of those that hold anything.
 #[derive(Debug)]
@@ -21,7 +23,7 @@ impl PackedCells {
     pub(crate) fn new(cells: [i32; 3]) -> Result<Self, GridError> {
         let bricks = cells.map(|n| (n + BRICK - 1) / BRICK);
         let count = bricks.iter().map(|&n| n as u128).product::<u128>();
-        if count >= 1 << 31 {
+        if count >= MOST_BRICKS {
             return Err(GridError::TooSparse { bricks: count });
         }
         Ok(Self { bricks, table: vec![NO_BRICK; count as usize], entries: Vec::new() })

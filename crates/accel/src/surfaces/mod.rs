@@ -170,6 +170,14 @@ impl Surfaces {
         nearest
     }
 
+    /// Whether a ray that starts on the piece `id` meets the same solid again: it crosses a sphere or
+    /// a box from within.
+    #[must_use]
+    pub fn is_met_again(&self, ray: &Ray, id: SurfaceId) -> bool {
+        let mut hits = self.solids.iter().filter_map(|solid| solid.intersect(ray, Some(id)));
+        hits.any(|hit| hit.id.object == id.object)
+    }
+
     /// Whether any surface passes through the box (conservative: may say yes too often, never no
     /// wrongly). Marks the cells of the grain grid in which light must ask [`Self::intersect`].
     #[must_use]

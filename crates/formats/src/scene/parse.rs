@@ -34,6 +34,10 @@ impl SceneFile {
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
         let failed = |cause| SceneError::Read { path: path.to_owned(), cause };
         let mut bytes = Vec::new();
+        // Asked before it is opened: opening a pipe would wait for whoever writes into it.
+        if !path.metadata().map_err(failed)?.is_file() {
+            return Err(failed(std::io::Error::other("not a regular file; name a scene file")));
+        }
         let file = std::fs::File::open(path).map_err(failed)?;
         file.take(MAX_SCENE_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
         Self::parse_bytes(&bytes, path, overrides)

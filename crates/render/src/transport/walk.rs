@@ -135,6 +135,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
         mut excluded: Option<SurfaceId>,
         mut may_enter: bool,
     ) -> Option<PathEnd> {
+        // A surface at the very face of the box is met before the box is entered.
+        let tolerance = self.world.grid.quantum();
         loop {
             let surface = if self.world.surfaces.is_empty() {
                 None
@@ -144,7 +146,11 @@ impl<Tag: Copy> Walk<'_, Tag> {
             let grid = if may_enter { self.world.grid.enter(&ray) } else { None };
             match (surface, grid) {
                 (None, None) => return Some(PathEnd::Escaped(ray)),
-                (hit, Some((t, place))) if hit.is_none_or(|hit| t <= hit.t) => {
+                (hit, Some((t, place))) if hit.is_none_or(|hit| t < hit.t - tolerance) => {
+                    let surfaces = &self.world.surfaces;
+                    let still_on_it =
+                        |id: &SurfaceId| t == 0.0 || !surfaces.is_met_again(&ray, *id);
+                    let excluded = excluded.filter(still_on_it);
                     self.flight.enter(lane, place, ray.direction, excluded);
                     return None;
                 }
