@@ -113,10 +113,9 @@ pub(crate) struct ReportArguments {
     snowgrain scenes snowy-teapot --print > my.toml")]
 pub(crate) struct ScenesArguments {
     /// Name of a built-in scene
-    #[arg(requires = "print")]
     pub(crate) name: Option<String>,
 
-    /// Prints the scene file
+    /// Prints the scene file (as a name alone does)
     #[arg(long, requires = "name")]
     pub(crate) print: bool,
 }

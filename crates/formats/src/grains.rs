@@ -114,17 +114,9 @@ fn rounded(
     center: DVec3,
     radius: f64,
 ) -> Result<QuantisedGrain, Fault> {
-    let grain = quantisation.round(center, radius).map_err(|error| {
+    quantisation.round(center, radius).map_err(|error| {
         Fault::new(place, error.to_string(), "mend the grain or remove it from the file")
-    })?;
-    if grain.radius == 0 {
-        let what = format!(
-            "a radius of {radius} m is too small beside {} m",
-            quantisation.largest_radius()
-        );
-        return Err(Fault::new(place, what, "remove the grain from the file"));
-    }
-    Ok(grain)
+    })
 }
 
 /// Where the numbers of a grain stand in its row.
@@ -312,7 +304,7 @@ mod tests {
             assert!(error.to_string().starts_with("grains.ply, line 10: a radius of"), "{error}");
         }
         let tiny = read_bytes(&text("0 0 0 0.001\n0 0 0 1e-9\n", 2)).unwrap_err().to_string();
-        assert!(tiny.contains("too small"), "{tiny}");
+        assert!(tiny.contains("cannot be stored"), "{tiny}");
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub enum GeometryError {
     },
     /// A radius is not a positive finite number, or outside what the lattice was made for.
     #[error(
-        "a grain radius of {radius} m cannot be stored; radii of this snow go from {smallest} to {largest} m: grains of one scene may differ in size by less than 1 to 10 000"
+        "a grain radius of {radius:.3e} m cannot be stored; radii of this snow go from {smallest:.3e} to {largest:.3e} m: grains of one scene may differ in size by less than 1 to 10 000"
     )]
     BadRadius {
         /// The radius, metres.

@@ -12,7 +12,7 @@ pub type LoadError = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// The scene file itself cannot be read.
-    #[error("{}: {cause}", path.display())]
+    #[error("{}: cannot be read: {cause}; check its name and its rights (`snowgrain scenes` lists the built-in ones)", path.display())]
     Read {
         /// The file.
         path: PathBuf,
