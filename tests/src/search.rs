@@ -145,7 +145,7 @@ impl Cells {
         let bounds = if grains.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ONE) } else { bounds };
         let largest = grains.iter().fold(0.0f64, |r, g| r.max(g.radius));
         let volume = bounds.size().max(DVec3::splat(1e-9)).element_product();
-        let sparse = (volume / (grains.len() + 1) as f64).cbrt();
+        let sparse = snowgrain_math::trig::cbrt(volume / (grains.len() + 1) as f64);
         let target = (2.5 * largest).max(sparse);
         let mut origin = bounds.min - 0.1 * target;
         let mut side = DVec3::splat(target);

@@ -5,7 +5,7 @@
 //! on earlier. Each grain is rounded to the scene's quantisation lattice when it comes to rest and
 //! later grains meet the rounded one, so what falls is what is stored is what is rendered.
 //!
-//! The rules ([`DepositRule`]):
+//! The rules ([`DepositRule`](crate::DepositRule)):
 //!
 //! - `Ray`: the paper's, section 4.2. A ray straight down from a random point above; the grain's
 //!   centre lies one radius along the geometric normal at the first hit; discarded where that
