@@ -41,7 +41,7 @@ impl PathSource for Fan {
 
 fn quantised(centers: &[DVec3], radius: f64) -> (Quantisation, Vec<QuantisedGrain>) {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, radius);
-    let round = |&center| quantisation.round(center, radius).unwrap();
+    let round = |&center| quantisation.round(center, radius).expect("the grain is small");
     (quantisation, centers.iter().map(round).collect())
 }
 
@@ -52,7 +52,7 @@ fn world(
     albedo: f32,
 ) -> World {
     let surfaces = Surfaces::new(&[(shape, transform)]);
-    let grid = GrainGrid::build(*quantisation, grains, &surfaces).unwrap();
+    let grid = GrainGrid::build(*quantisation, grains, &surfaces).expect("few grains");
     World { grid, surfaces, albedos: vec![[albedo; 3]], eta: 1.31 }
 }
 
