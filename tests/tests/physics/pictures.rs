@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Layer, Picture, PixelRect};
 use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::{DVec3, Ray};
+use snowgrain_math::{DVec3, Ray, trig};
 use snowgrain_render::Scene;
 use snowgrain_render::measure::Estimate;
 use snowgrain_render::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
@@ -135,7 +135,7 @@ fn the_error_against_a_long_render_falls_as_the_square_root_of_the_samples() {
             .sum();
         let rmse = (squares / reference.len() as f64).sqrt();
         println!("{spp} samples: RMSE {rmse:.5}");
-        points.push(((spp as f64).log10(), rmse.log10()));
+        points.push((trig::ln(spp as f64), trig::ln(rmse)));
         spp *= 10;
     }
     let n = points.len() as f64;
