@@ -153,7 +153,7 @@ fn build_grid(
     Ok((grid, digest))
 }
 
-/// The lattice without memory, where it is whole, not too wide, and no surface crosses it.
+/// The lattice without memory, where it is whole and has such a form, and no surface crosses it.
 fn implicit_lattice(
     settings: &LatticeSettings,
     quantisation: Quantisation,
@@ -167,7 +167,7 @@ fn implicit_lattice(
         basis: cell.basis.clone(),
         radius_quanta: cell.radius,
     };
-    if !whole || packed.pieces().is_none() {
+    if !whole {
         return Ok(None);
     }
     let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3]);

@@ -2,7 +2,7 @@
 
 use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use super::packed_cells::BRICK;
-use super::{Block, CellEntry, Cells, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells};
+use super::{Block, CellEntry, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells, Storage};
 use crate::Surfaces;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{Aabb, DVec3, trig};
@@ -151,7 +151,7 @@ pub(super) fn build(
             cells: [1; 3],
             periodic: [false; 3],
             margin,
-            storage: Cells::Packed(PackedCells::new([1; 3])?),
+            storage: Storage::Packed(PackedCells::new([1; 3])?),
             blocks: vec![Block::EMPTY],
             grains: 0,
         });
@@ -185,7 +185,7 @@ pub(super) fn build(
         cells: layout.cells,
         periodic: layout.periodic,
         margin,
-        storage: Cells::Packed(cells),
+        storage: Storage::Packed(cells),
         blocks,
         grains: grains.len() as u64,
     };
@@ -246,7 +246,7 @@ fn fill(
 
 /// Marks, in every copy of each grain, whether it overlaps another or reaches a surface.
 fn mark(grid: &mut GrainGrid, layout: &Layout, grains: &[QuantisedGrain], surfaces: &Surfaces) {
-    let Cells::Packed(cells) = &grid.storage else { return };
+    let Storage::Packed(cells) = &grid.storage else { return };
     let margin = grid.margin;
     let quantum = grid.quantisation.quantum();
     let blocks = &mut grid.blocks;

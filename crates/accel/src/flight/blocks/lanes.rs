@@ -1,10 +1,7 @@
 //! The state of the paths in flight, one array a quantity.
 
+use crate::flight::LANES;
 use snowgrain_math::IVec3;
-
-/// Paths in flight on one core. Each round tests one block a path, so the blocks of all the others
-/// arrive from memory meanwhile.
-pub const LANES: usize = 64;
 
 /// What a path is doing.
 pub(crate) mod mode {

@@ -3,14 +3,14 @@
 use super::block_test::{BlockRay, NOTHING, test_block};
 use super::lanes::{Lanes, mode};
 use super::update::{EXIT_TOLERANCE, GROUP, update_group};
-use super::{Flight, FlightEvent, MAX_TURNS_IN_ICE};
+use super::{BlockFlight, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{CellEntry, GrainGrid, MEETS_SURFACE, RADIUS_MASK};
 use fearless_simd::Simd;
 use snowgrain_math::Ray;
 
 /// Rounds until an event occurs or no path is left in flight.
 #[inline(always)]
-pub(super) fn run<S: Simd>(simd: S, flight: &mut Flight<'_>) {
+pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
     let has_surfaces = !flight.surfaces.is_empty();
     while flight.events.is_empty() {
         let mut flying = false;
@@ -80,7 +80,7 @@ fn test_lane<S: Simd>(simd: S, grid: &GrainGrid, lanes: &mut Lanes, lane: usize,
 
 /// In a cell that a surface crosses: is the surface met before the next grain or the cell's exit?
 #[inline(never)]
-fn meet_surface_in_air(flight: &mut Flight<'_>, lane: usize) {
+fn meet_surface_in_air(flight: &mut BlockFlight<'_>, lane: usize) {
     let exit = exit_distance(flight.grid, &flight.lanes, lane);
     let found = flight.lanes.found[lane];
     // A surface within the rounding of where the stretch ends is met in this cell, and before a grain
@@ -176,7 +176,7 @@ pub(super) fn begin_chord(grid: &GrainGrid, lanes: &mut Lanes, lane: usize) {
 /// After a move: has the path met a surface inside its grain, left the grid, or been trapped? Else
 /// its new cell is asked for.
 #[inline(always)]
-pub(super) fn settle(flight: &mut Flight<'_>, lane: usize) {
+pub(super) fn settle(flight: &mut BlockFlight<'_>, lane: usize) {
     let lanes = &mut flight.lanes;
     if lanes.mode[lane] == mode::ICE {
         if lanes.grain_radius[lane] & u32::from(MEETS_SURFACE) != 0
@@ -212,7 +212,7 @@ pub(super) fn settle(flight: &mut Flight<'_>, lane: usize) {
 
 /// In a grain that reaches a surface: does the chord that was just made meet it?
 #[inline(never)]
-fn meet_surface_in_ice(flight: &mut Flight<'_>, lane: usize) -> bool {
+fn meet_surface_in_ice(flight: &mut BlockFlight<'_>, lane: usize) -> bool {
     let quantum = flight.grid.quantum();
     let chord = flight.lanes.chord[lane];
     let end = flight.ray(lane);
@@ -231,7 +231,7 @@ fn meet_surface_in_ice(flight: &mut Flight<'_>, lane: usize) -> bool {
     true
 }
 
-impl Flight<'_> {
+impl BlockFlight<'_> {
     /// Looks up the cell that the path of `lane` is in.
     #[inline(always)]
     pub(super) fn fetch_entry(&mut self, lane: usize) {
