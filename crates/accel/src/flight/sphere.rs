@@ -46,6 +46,21 @@ impl<S: Simd> Angles<S> {
         // Never negative: eta is at least 1, and 1 - (1 - x) is not below 0 for x in [0, 1].
         Self { outside, inside: (one - (one - outside * outside) * ratio).sqrt() }
     }
+
+    /// Snell's law, from the cosine in ice for the paths `fresh` (the cosine in air is 0 where all
+    /// light is reflected), from that in air for the others.
+    #[inline(always)]
+    pub(super) fn at_sphere(simd: S, ice: Ice, fresh: M<S>, inside: F<S>, outside: F<S>) -> Self {
+        let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));
+        let ratio = fresh.select(
+            F::<S>::splat(simd, ice.eta * ice.eta),
+            F::<S>::splat(simd, ice.inverse_eta * ice.inverse_eta),
+        );
+        let known = fresh.select(inside, outside);
+        let other2 = one - (one - known * known) * ratio;
+        let other = other2.simd_gt(zero).select(other2, zero).sqrt();
+        Self { outside: fresh.select(other, outside), inside: fresh.select(inside, other) }
+    }
 }
 
 /// How likely light passes an interface, as a fraction that never has to be divided out.

@@ -75,8 +75,8 @@ pub struct CellEntry(pub(crate) u32);
 
 impl CellEntry {
     pub(crate) const EMPTY: Self = Self(0);
-    /// A whole brick without grains or surfaces; light may cross it in one step.
-    pub(crate) const EMPTY_BRICK: Self = Self(u32::MAX);
+    /// A whole brick without grains or surfaces; light may cross it in one step. Its block is block 0.
+    pub(crate) const EMPTY_BRICK: Self = Self(7 << 28);
     pub(crate) const SURFACE: u32 = 1 << 31;
     pub(crate) const MAX_BLOCKS_PER_CELL: usize = 7;
     pub(crate) const MAX_BLOCKS: usize = 1 << 28;
@@ -88,12 +88,26 @@ impl CellEntry {
     }
 
     pub(crate) fn has_surface(self) -> bool {
-        self.0 & Self::SURFACE != 0 && self != Self::EMPTY_BRICK
+        self.0 & Self::SURFACE != 0
     }
 
+    /// The cell's first block; block 0 where it holds nothing.
+    #[inline(always)]
+    pub(crate) fn first_block(self) -> usize {
+        (self.0 & (Self::MAX_BLOCKS as u32 - 1)) as usize
+    }
+
+    /// The cell's other blocks.
+    #[inline(always)]
+    pub(crate) fn further_blocks(self) -> std::ops::Range<usize> {
+        let first = self.first_block() + 1;
+        let further = if self == Self::EMPTY_BRICK { 0 } else { (self.0 >> 28) & 7 };
+        first..first + further as usize
+    }
+
+    /// All blocks of the cell.
     pub(crate) fn blocks(self) -> std::ops::Range<usize> {
-        let first = (self.0 & (Self::MAX_BLOCKS as u32 - 1)) as usize;
-        first..first + 1 + ((self.0 >> 28) & 7) as usize
+        self.first_block()..self.further_blocks().end
     }
 }
 
@@ -132,7 +146,7 @@ pub struct GrainGrid {
     /// Local coordinate of a cell's low face: no grain reaches into the cell from farther away.
     pub(crate) margin: i32,
     storage: Storage,
-    pub(crate) blocks: Vec<Block>,
+    blocks: Vec<Block>,
     grains: u64,
 }
 
@@ -264,6 +278,23 @@ impl GrainGrid {
         if let Storage::Packed(cells) = &self.storage {
             cells.prefetch(cell);
         }
+    }
+
+    /// The entry of a cell, its first block already on the way from memory. A periodic grid does
+    /// not cross bricks in one step: they need not divide its period.
+    #[inline(always)]
+    pub(crate) fn fetchable_entry(&self, cell: [i32; 3]) -> CellEntry {
+        let entry = self.entry(cell);
+        if entry == CellEntry::EMPTY_BRICK && self.periodic != [false; 3] {
+            return CellEntry::EMPTY;
+        }
+        self.blocks[entry.first_block()].prefetch();
+        entry
+    }
+
+    /// All blocks.
+    pub(crate) fn blocks(&self) -> &[Block] {
+        &self.blocks
     }
 
     #[inline(always)]
