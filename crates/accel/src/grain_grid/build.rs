@@ -4,6 +4,7 @@ use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use super::packed_cells::BRICK;
 use super::{Block, CellEntry, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells, Storage};
 use crate::Surfaces;
+use crate::pages;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{Aabb, DVec3, trig};
 
@@ -230,7 +231,7 @@ fn fill(
         next += needed;
         *count = 0;
     }
-    let mut blocks = vec![Block::EMPTY; next];
+    let mut blocks = pages::filled(next, Block::EMPTY);
     for &grain in grains {
         layout.for_cells(grain, |cell, center| {
             let index = cells.index(cell);

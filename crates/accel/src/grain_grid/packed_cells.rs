@@ -1,6 +1,7 @@
 //! Where the blocks of arbitrary snow are found.
 
 use super::{CellEntry, GridError};
+use crate::pages;
 use crate::prefetch::prefetch;
 
 /// Cells along an edge of a brick.
@@ -70,7 +71,7 @@ impl PackedCells {
             *brick = next;
             next += 1;
         }
-        self.entries = vec![CellEntry::EMPTY; next as usize * CELLS_PER_BRICK];
+        self.entries = pages::filled(next as usize * CELLS_PER_BRICK, CellEntry::EMPTY);
     }
 
     /// The index of a cell's entry; its brick must have been touched.
