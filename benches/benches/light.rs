@@ -150,7 +150,8 @@ impl PathSource for Tiles<'_> {
         let z = tile / tiles * TILE + within / TILE;
         let key = PathKey::new(0, u64::from(z * PIXELS + x), u64::from(sample));
         let [u, v, _] = numbers(key, 0).map(f64::from);
-        let part = |index: u32, jitter: f64| 0.25 + 0.5 * (f64::from(index) + jitter) / f64::from(PIXELS);
+        let part =
+            |index: u32, jitter: f64| 0.25 + 0.5 * (f64::from(index) + jitter) / f64::from(PIXELS);
         let size = self.hull.size();
         let seen = DVec3::new(
             self.hull.min.x + size.x * part(x, u),

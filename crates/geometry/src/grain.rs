@@ -37,9 +37,9 @@ pub struct Quantisation {
 
 impl Quantisation {
     /// Quanta in the radius of the largest grain of a scene: fine enough that rounding moves a
-    /// grain by less than 8e-5 of that radius, coarse enough that a cell of 4 radii with a margin of
-    /// one radius on either side still fits 16 bits (`snowgrain_accel::GrainGrid`).
-    pub const MAX_RADIUS_QUANTA: u16 = 10_900;
+    /// grain by less than 1.6e-4 of that radius, coarse enough that a cell of ten radii with a margin
+    /// of one radius on either side still fits 16 bits (`snowgrain_accel::GrainGrid`).
+    pub const MAX_RADIUS_QUANTA: u16 = 5_450;
 
     /// Farthest coordinate that may be used, in quanta; leaves room for cells around it.
     pub const MAX_COORDINATE: i32 = 1 << 30;

@@ -1,7 +1,7 @@
 //! Packing grains into cells: count, number, fill, then mark which grains stand alone.
 
 use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
-use super::packed_cells::BRICK;
+use super::packed_cells::{BRICK, CELLS_PER_BRICK};
 use super::{Block, CellEntry, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells, Storage};
 use crate::Surfaces;
 use crate::pages;
@@ -86,7 +86,7 @@ fn occupied_volume(grains: &[QuantisedGrain], side: f64) -> Result<f64, GridErro
     };
     let mut cells = PackedCells::new(layout.cells)?;
     grains.iter().for_each(|grain| cells.touch(cell_of(grain)));
-    cells.seal_bricks();
+    cells.seal_bricks(true);
     let mut occupied = vec![false; cells.entries().len()];
     grains.iter().for_each(|grain| occupied[cells.index(cell_of(grain))] = true);
     let count = occupied.iter().filter(|&&held| held).count();
@@ -173,7 +173,8 @@ pub(super) fn build(
     for &cell in &surface_cells {
         cells.touch(cell);
     }
-    cells.seal_bricks();
+    // Bricks need not divide a period.
+    cells.seal_bricks(layout.periodic == [false; 3]);
     let mut crosses = vec![false; if surface_cells.is_empty() { 0 } else { cells.entries().len() }];
     for &cell in &surface_cells {
         crosses[cells.index(cell)] = true;
@@ -213,7 +214,8 @@ fn fill(
     }
     let most = CellEntry::MAX_BLOCKS_PER_CELL * GRAINS_PER_BLOCK;
     let mut next = 1;
-    for (index, (entry, count)) in cells.entries_mut().iter_mut().zip(&mut counts).enumerate() {
+    let bricks = cells.entries_mut().iter_mut().zip(&mut counts).enumerate();
+    for (index, (entry, count)) in bricks.skip(CELLS_PER_BRICK) {
         let surface = crosses.get(index).copied().unwrap_or(false);
         let in_cell = usize::from(*count);
         if in_cell > most {

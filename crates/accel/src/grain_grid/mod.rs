@@ -20,6 +20,7 @@ pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
+pub(crate) use packed_cells::within_brick;
 pub(crate) use sites::{LatticeSites, SiteKind};
 
 use crate::Surfaces;
@@ -272,24 +273,21 @@ impl GrainGrid {
         self.metres(DVec3::from_array(quanta))
     }
 
-    /// Asks for a cell's entry ahead of its use.
-    #[inline(always)]
-    pub(crate) fn prefetch_entry(&self, cell: [i32; 3]) {
-        if let Storage::Packed(cells) = &self.storage {
-            cells.prefetch(cell);
-        }
-    }
-
-    /// The entry of a cell, its first block already on the way from memory. A periodic grid does
-    /// not cross bricks in one step: they need not divide its period.
+    /// The entry of a cell, its first block already on the way from memory.
     #[inline(always)]
     pub(crate) fn fetchable_entry(&self, cell: [i32; 3]) -> CellEntry {
         let entry = self.entry(cell);
-        if entry == CellEntry::EMPTY_BRICK && self.periodic != [false; 3] {
-            return CellEntry::EMPTY;
-        }
-        self.blocks[entry.first_block()].prefetch();
+        self.prefetch_blocks(entry);
         entry
+    }
+
+    /// Asks for the blocks of a cell ahead of their use.
+    #[inline(always)]
+    pub(crate) fn prefetch_blocks(&self, entry: CellEntry) {
+        self.blocks[entry.first_block()].prefetch();
+        for block in &self.blocks[entry.further_blocks()] {
+            block.prefetch();
+        }
     }
 
     /// All blocks.

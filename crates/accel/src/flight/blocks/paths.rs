@@ -30,6 +30,9 @@ pub(super) struct Group {
     pub(super) found: [f32; GROUP],
     pub(super) found_grain: [[u16; GROUP]; 3],
     pub(super) found_radius: [u16; GROUP],
+    /// Number of the brick of the path's cell, and the cell's place in it.
+    pub(super) brick: [u32; GROUP],
+    pub(super) within_brick: [u32; GROUP],
     /// What the path's cell holds.
     pub(super) entry: [u32; GROUP],
     /// Outside cosine of the current chord, shared by all reflections within one sphere; -1 where

@@ -5,7 +5,7 @@ use super::paths::{GROUP, place_of};
 use super::test::test_group;
 use super::update::update_group;
 use super::{BlockFlight, FlightEvent, MAX_TURNS_IN_ICE};
-use crate::grain_grid::MEETS_SURFACE;
+use crate::grain_grid::{MEETS_SURFACE, Storage, within_brick};
 use fearless_simd::Simd;
 
 /// Rounds until an event occurs or no path is left in flight.
@@ -39,12 +39,13 @@ impl BlockFlight<'_> {
     /// Asks for what the cells of a group's paths hold.
     #[inline(always)]
     fn prefetch_entries(&self, group: usize) {
+        let Storage::Packed(cells) = self.grid.storage() else { return };
         let group = &self.groups[group];
         let mut lanes = group.air | group.ice;
         while lanes != 0 {
             let at = lanes.trailing_zeros() as usize & (GROUP - 1);
             lanes &= lanes - 1;
-            self.grid.prefetch_entry(group.place(at).cell);
+            cells.prefetch_at(group.brick[at], group.within_brick[at]);
         }
     }
 
@@ -54,10 +55,18 @@ impl BlockFlight<'_> {
         let grid = self.grid;
         let group = &mut self.groups[group];
         let mut lanes = group.air | group.ice;
+        group.near_surface = 0;
         while lanes != 0 {
             let at = lanes.trailing_zeros() as usize & (GROUP - 1);
             lanes &= lanes - 1;
-            group.set_entry(at, grid.fetchable_entry(group.place(at).cell));
+            let entry = match grid.storage() {
+                Storage::Packed(cells) => cells.entry_at(group.brick[at], group.within_brick[at]),
+                Storage::Lattice(cells) => cells.entry(group.place(at).cell),
+                Storage::Sites(_) => unreachable!("light in a crystal asks for no cells"),
+            };
+            grid.prefetch_blocks(entry);
+            group.entry[at] = entry.0;
+            group.near_surface |= u32::from(entry.has_surface()) << at;
         }
     }
 
@@ -121,6 +130,11 @@ impl BlockFlight<'_> {
                 return;
             }
             group.cell[axis][at] = cell.rem_euclid(n);
+        }
+        if let Storage::Packed(cells) = grid.storage() {
+            let cell = group.place(at).cell;
+            group.brick[at] = cells.brick_of(cell) as u32;
+            group.within_brick[at] = within_brick(cell) as u32;
         }
     }
 

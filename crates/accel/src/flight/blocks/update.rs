@@ -7,7 +7,7 @@ use crate::flight::MAX_TURNS_IN_ICE;
 use crate::flight::random::NEXT_EVENT;
 use crate::flight::sphere::{Angles, Ice, Transmittance};
 use crate::flight::vector::{F, M, Vector, W};
-use crate::grain_grid::{CellEntry, GrainGrid, MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
+use crate::grain_grid::{CellEntry, GrainGrid, MEETS_SURFACE, OVERLAPS, RADIUS_MASK, Storage};
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, mask32x16, u16x16};
 
@@ -24,6 +24,8 @@ pub(super) struct CellShape {
     pub(super) side: [f32; 3],
     inverse_side: [f32; 3],
     cells: [i32; 3],
+    /// What a step of one brick along each axis adds to the number of the brick.
+    brick_steps: [u32; 3],
 }
 
 impl CellShape {
@@ -34,6 +36,10 @@ impl CellShape {
             side,
             inverse_side: side.map(|side| 1.0 / side),
             cells: grid.cells,
+            brick_steps: match grid.storage() {
+                Storage::Packed(cells) => cells.brick_steps(),
+                Storage::Lattice(_) | Storage::Sites(_) => [0; 3],
+            },
         }
     }
 }
@@ -239,6 +245,7 @@ pub(super) fn update_group<S: Simd>(
     (visits + hit.select(once, no)).store_slice(&mut group.visits);
     turns.store_slice(&mut group.turns);
     let mut outside = mask32x16::splat(simd, false);
+    let (mut brick, mut within_brick) = (no, no);
     let crossed = [step & by_x, step & by_y, step & by_z];
     let places = [new_position.0, new_position.1, new_position.2];
     let before = [position.0, position.1, position.2];
@@ -257,7 +264,12 @@ pub(super) fn update_group<S: Simd>(
         moved.cell.store_slice(&mut group.cell[axis]);
         (grains[axis] - moved.offset).store_slice(&mut group.grain[axis]);
         outside |= moved.outside;
+        let cell: W<S> = moved.cell.bitcast();
+        brick += (cell >> 3) * W::<S>::splat(simd, shape.brick_steps[axis]);
+        within_brick |= (cell & W::<S>::splat(simd, 7)) << (3 * axis as u32);
     }
+    brick.store_slice(&mut group.brick);
+    within_brick.store_slice(&mut group.within_brick);
     let to_air = step | (hit & !passes) | leave | out;
     group.air = to_air.to_bitmask() as u32;
     group.ice = new_ice.to_bitmask() as u32;
