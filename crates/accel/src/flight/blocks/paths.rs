@@ -28,6 +28,8 @@ pub(super) struct Group {
     pub(super) grain_radius: [u32; GROUP],
     /// The answer of the block test: [`NOTHING`], or the grain that was found.
     pub(super) found: [f32; GROUP],
+    /// Its block.
+    pub(super) found_block: [u32; GROUP],
     pub(super) found_grain: [[u16; GROUP]; 3],
     pub(super) found_radius: [u16; GROUP],
     /// Number of the brick of the path's cell, and the cell's place in it.
@@ -57,6 +59,8 @@ pub(super) struct Group {
     pub(super) inside: u32,
     /// Paths whose cell a surface crosses.
     pub(super) near_surface: u32,
+    /// Paths whose cell holds more than one block.
+    pub(super) crowded: u32,
 }
 
 /// The first grains that the paths of a group met; written once a path.
@@ -125,8 +129,10 @@ impl Group {
     /// Tells what the path's cell holds.
     pub(super) fn set_entry(&mut self, at: usize, entry: CellEntry) {
         self.entry[at] = entry.0;
-        let bit = u32::from(entry.has_surface()) << at;
-        self.near_surface = self.near_surface & !(1 << at) | bit;
+        let others = !(1 << at);
+        let crowded = !entry.further_blocks().is_empty();
+        self.near_surface = self.near_surface & others | u32::from(entry.has_surface()) << at;
+        self.crowded = self.crowded & others | u32::from(crowded) << at;
     }
 
     /// Copies the path at `from` of `source` to `to`.
@@ -165,6 +171,7 @@ impl Group {
             (&mut self.ice, source.ice),
             (&mut self.inside, source.inside),
             (&mut self.near_surface, source.near_surface),
+            (&mut self.crowded, source.crowded),
         ] {
             *mine = *mine & !(1 << to) | (theirs >> from & 1) << to;
         }

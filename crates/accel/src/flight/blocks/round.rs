@@ -55,7 +55,7 @@ impl BlockFlight<'_> {
         let grid = self.grid;
         let group = &mut self.groups[group];
         let mut lanes = group.air | group.ice;
-        group.near_surface = 0;
+        (group.near_surface, group.crowded) = (0, 0);
         while lanes != 0 {
             let at = lanes.trailing_zeros() as usize & (GROUP - 1);
             lanes &= lanes - 1;
@@ -67,6 +67,7 @@ impl BlockFlight<'_> {
             grid.prefetch_blocks(entry);
             group.entry[at] = entry.0;
             group.near_surface |= u32::from(entry.has_surface()) << at;
+            group.crowded |= u32::from(!entry.further_blocks().is_empty()) << at;
         }
     }
 

@@ -48,46 +48,38 @@ fn meet<S: Simd>(simd: S, block: &Block, position: [f32; 3], direction: [f32; 3]
     Meeting { met, middle, half: met.select(discriminant, zero).sqrt() }
 }
 
-/// The least of the values of the grains that are `valid`, and its slot.
+/// The least of the values of the grains that are `valid`, its last bits the slot of the grain.
 #[inline(always)]
-fn least<S: Simd>(simd: S, valid: mask32x16<S>, value: f32x16<S>) -> (f32, usize) {
+fn least<S: Simd>(simd: S, valid: mask32x16<S>, value: f32x16<S>) -> f32 {
     let slots = u32x16::from_slice(simd, &SLOTS);
     let bits: u32x16<S> = value.bitcast();
     let named: f32x16<S> = (bits & u32x16::splat(simd, !SLOT_BITS) | slots).bitcast();
-    let least = valid.select(named, f32x16::splat(simd, NOTHING)).reduce_min();
-    (least, (least.to_bits() & SLOT_BITS) as usize)
+    valid.select(named, f32x16::splat(simd, NOTHING)).reduce_min()
 }
 
 const SLOTS: [u32; GROUP] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// In air: the least distance at which the ray enters a grain, and the slot of that grain. Grains
-/// whose centre lies behind are left, not entered: a ray that starts on a sphere and leaves it is
-/// excluded by convexity, without an epsilon.
+/// In air: the least distance at which the ray enters a grain, and its slot. Grains whose centre lies
+/// behind are left, not entered: a ray that starts on a sphere and leaves it is excluded by
+/// convexity, without an epsilon.
 #[inline(always)]
-fn entered<S: Simd>(
-    simd: S,
-    block: &Block,
-    position: [f32; 3],
-    direction: [f32; 3],
-) -> (f32, usize) {
+fn entered<S: Simd>(simd: S, block: &Block, group: &Group, at: usize) -> f32 {
+    let (position, direction) = (get(&group.position, at), get(&group.direction, at));
     let Meeting { met, middle, half } = meet(simd, block, position, direction);
     let ahead = middle.simd_gt(f32x16::splat(simd, 0.0));
     least(simd, met & ahead, middle - half)
 }
 
-/// In ice, at the end of a chord of the grain around `center`: of the other grains that cover this
-/// point, the greatest distance at which one is left, negated, and its slot.
+/// In ice, at the end of a chord: of the other grains that cover this point, the greatest distance at
+/// which one is left, negated, and its slot.
 #[inline(always)]
-fn left<S: Simd>(
-    simd: S,
-    block: &Block,
-    position: [f32; 3],
-    direction: [f32; 3],
-    center: [f32; 3],
-) -> (f32, usize) {
+fn left<S: Simd>(simd: S, block: &Block, group: &Group, at: usize) -> f32 {
+    let (position, direction) = (get(&group.position, at), get(&group.direction, at));
     let Meeting { met, middle, half } = meet(simd, block, position, direction);
     let zero = f32x16::splat(simd, 0.0);
-    let [x, y, z] = center.map(|c| u16x16::splat(simd, c as u16));
+    let x = u16x16::splat(simd, group.grain[0][at] as u16);
+    let y = u16x16::splat(simd, group.grain[1][at] as u16);
+    let z = u16x16::splat(simd, group.grain[2][at] as u16);
     let itself = u16x16::from_slice(simd, &block.x).simd_eq(x)
         & u16x16::from_slice(simd, &block.y).simd_eq(y)
         & u16x16::from_slice(simd, &block.z).simd_eq(z);
@@ -98,49 +90,63 @@ fn left<S: Simd>(
     least(simd, covers, zero - leave)
 }
 
-/// Asks the blocks of the cell of every path that is in air or at the end of a chord.
-#[inline(always)]
-pub(super) fn test_group<S: Simd>(simd: S, blocks: &[Block], group: &mut Group) {
-    let mut lanes = group.air;
-    while lanes != 0 {
-        let at = lanes.trailing_zeros() as usize & (GROUP - 1);
-        lanes &= lanes - 1;
-        let (position, direction) = (get(&group.position, at), get(&group.direction, at));
-        let entry = CellEntry(group.entry[at]);
-        let first = &blocks[entry.first_block()];
-        let (value, slot) = entered(simd, first, position, direction);
-        keep(group, at, first, value, slot);
-        for block in &blocks[entry.further_blocks()] {
-            let (value, slot) = entered(simd, block, position, direction);
-            if value < group.found[at] {
-                keep(group, at, block, value, slot);
-            }
-        }
-    }
-    let mut lanes = group.ice;
-    while lanes != 0 {
-        let at = lanes.trailing_zeros() as usize & (GROUP - 1);
-        lanes &= lanes - 1;
-        let (position, direction) = (get(&group.position, at), get(&group.direction, at));
-        let center = get(&group.grain, at);
-        let entry = CellEntry(group.entry[at]);
-        let first = &blocks[entry.first_block()];
-        let (value, slot) = left(simd, first, position, direction, center);
-        keep(group, at, first, value, slot);
-        for block in &blocks[entry.further_blocks()] {
-            let (value, slot) = left(simd, block, position, direction, center);
-            if value < group.found[at] {
-                keep(group, at, block, value, slot);
-            }
+/// Which test a path needs.
+#[derive(Clone, Copy)]
+enum Question {
+    Entered,
+    Left,
+}
+
+impl Question {
+    #[inline(always)]
+    fn ask<S: Simd>(self, simd: S, block: &Block, group: &Group, at: usize) -> f32 {
+        match self {
+            Self::Entered => entered(simd, block, group, at),
+            Self::Left => left(simd, block, group, at),
         }
     }
 }
 
+/// Asks the blocks of the cell of every path that is in air or at the end of a chord.
 #[inline(always)]
-fn keep(group: &mut Group, at: usize, block: &Block, value: f32, slot: usize) {
-    group.found[at] = value;
-    group.found_grain[0][at] = block.x[slot];
-    group.found_grain[1][at] = block.y[slot];
-    group.found_grain[2][at] = block.z[slot];
-    group.found_radius[at] = block.radius[slot];
+pub(super) fn test_group<S: Simd>(simd: S, blocks: &[Block], group: &mut Group) {
+    ask(simd, blocks, group, group.air, Question::Entered);
+    ask(simd, blocks, group, group.ice, Question::Left);
+    // What was found is taken in a pass of its own: it waits for the minimum, which would else hold
+    // up the next test.
+    let mut lanes = group.air | group.ice;
+    while lanes != 0 {
+        let at = lanes.trailing_zeros() as usize & (GROUP - 1);
+        lanes &= lanes - 1;
+        let slot = (group.found[at].to_bits() & SLOT_BITS) as usize;
+        let block = &blocks[group.found_block[at] as usize];
+        group.found_grain[0][at] = block.x[slot];
+        group.found_grain[1][at] = block.y[slot];
+        group.found_grain[2][at] = block.z[slot];
+        group.found_radius[at] = block.radius[slot];
+    }
+}
+
+#[inline(always)]
+fn ask<S: Simd>(simd: S, blocks: &[Block], group: &mut Group, lanes: u32, question: Question) {
+    let mut rest = lanes;
+    while rest != 0 {
+        let at = rest.trailing_zeros() as usize & (GROUP - 1);
+        rest &= rest - 1;
+        let first = CellEntry(group.entry[at]).first_block();
+        group.found[at] = question.ask(simd, &blocks[first], group, at);
+        group.found_block[at] = first as u32;
+    }
+    let mut rest = lanes & group.crowded;
+    while rest != 0 {
+        let at = rest.trailing_zeros() as usize & (GROUP - 1);
+        rest &= rest - 1;
+        for index in CellEntry(group.entry[at]).further_blocks() {
+            let value = question.ask(simd, &blocks[index], group, at);
+            if value < group.found[at] {
+                group.found[at] = value;
+                group.found_block[at] = index as u32;
+            }
+        }
+    }
 }
