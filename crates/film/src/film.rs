@@ -1,5 +1,6 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
+use crate::pixel::add_all;
 use crate::{FilmError, FilmTile, PixelRect, PixelSums, SampleRanges};
 use std::ops::Range;
 
@@ -132,26 +133,26 @@ impl Film {
         differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())
     }
 
-    /// Adds row-major sums of `rect`, which lies inside the crop. Looks before it adds, so that a
-    /// failure leaves the film whole.
+    /// Adds row-major sums of `rect`, which lies inside the crop; on an error nothing is added.
     fn add_pixels(&mut self, rect: PixelRect, sums: &[PixelSums]) -> Result<(), FilmError> {
-        let crop = self.crop;
-        let at = |index: usize| {
-            let (x, y) = rect.pixel(index);
-            (x, y, (y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize)
-        };
-        for (index, added) in sums.iter().enumerate() {
-            let (x, y, target) = at(index);
-            if self.pixels[target].checked_add(added).is_none() {
-                return Err(FilmError::Overflow { x, y });
+        let width = rect.width() as usize;
+        for (row, y) in (rect.y0..rect.y1).enumerate() {
+            let added = &sums[row * width..(row + 1) * width];
+            let Err(column) = add_all(self.row_mut(rect, y), added) else { continue };
+            for (row, y) in (rect.y0..y).enumerate() {
+                let added = &sums[row * width..(row + 1) * width];
+                self.row_mut(rect, y).iter_mut().zip(added).for_each(|(sum, a)| sum.withdraw(a));
             }
-        }
-        for (index, added) in sums.iter().enumerate() {
-            let (x, y, target) = at(index);
-            let sum = self.pixels[target].checked_add(added);
-            self.pixels[target] = sum.ok_or(FilmError::Overflow { x, y })?;
+            return Err(FilmError::Overflow { x: rect.x0 + column as u32, y });
         }
         Ok(())
+    }
+
+    /// The pixels of `rect` in row `y`.
+    fn row_mut(&mut self, rect: PixelRect, y: u32) -> &mut [PixelSums] {
+        let start = (y - self.crop.y0) as usize * self.crop.width() as usize
+            + (rect.x0 - self.crop.x0) as usize;
+        &mut self.pixels[start..start + rect.width() as usize]
     }
 }
 

@@ -35,7 +35,7 @@ mod tile;
 pub use error::FilmError;
 pub use film::{Film, FilmIdentity};
 pub use picture::{Layer, Picture, Provenance};
-pub use pixel::PixelSums;
+pub use pixel::{PixelSums, Refusal};
 pub use rect::PixelRect;
 pub use sample::{LARGEST_GUIDE, Sample, SampleFault};
 pub use sample_ranges::SampleRanges;

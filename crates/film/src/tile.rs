@@ -1,7 +1,8 @@
 //! The part of a film that one thread fills.
 
 use crate::film::pixels_for;
-use crate::{FilmError, PixelRect, PixelSums, Sample};
+use crate::pixel::add_all;
+use crate::{FilmError, PixelRect, PixelSums, Refusal, Sample};
 
 /// Exact sums of one rectangle of pixels, filled by one thread, then merged into a film.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,14 +36,29 @@ impl FilmTile {
     ///
     /// # Errors
     /// A pixel outside the tile, a bad sample, or sums that leave their range.
+    #[inline]
     pub fn add(&mut self, x: u32, y: u32, sample: &Sample) -> Result<(), FilmError> {
         let index =
             self.rect.index(x, y).ok_or(FilmError::OutsideTile { x, y, rect: self.rect })?;
-        let sums =
-            PixelSums::from_sample(sample).map_err(|fault| FilmError::BadSample { x, y, fault })?;
-        let pixel = &mut self.pixels[index];
-        *pixel = pixel.checked_add(&sums).ok_or(FilmError::Overflow { x, y })?;
-        Ok(())
+        self.pixels[index].add_sample(sample).map_err(|refusal| match refusal {
+            Refusal::Sample(fault) => FilmError::BadSample { x, y, fault },
+            Refusal::Overflow => FilmError::Overflow { x, y },
+        })
+    }
+
+    /// Adds the sums of another tile of the same pixels; on an error nothing is added.
+    ///
+    /// # Errors
+    /// Sums that leave their range.
+    ///
+    /// # Panics
+    /// If the other tile is of other pixels.
+    pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
+        assert_eq!(self.rect, other.rect, "only tiles of the same pixels are merged");
+        add_all(&mut self.pixels, &other.pixels).map_err(|index| {
+            let (x, y) = self.rect.pixel(index);
+            FilmError::Overflow { x, y }
+        })
     }
 
     /// Forgets all samples, to be used again.
