@@ -39,4 +39,4 @@ pub use pixel::{PixelSums, Refusal};
 pub use rect::PixelRect;
 pub use sample::{LARGEST_GUIDE, Sample, SampleFault};
 pub use sample_ranges::SampleRanges;
-pub use tile::FilmTile;
+pub use tile::{FilmTile, FilmTileMut};

@@ -1,5 +1,6 @@
 //! The exact sums of one pixel.
 
+use crate::FilmError;
 use crate::exact::{Wide, power_of_two, spread, to_fixed};
 use crate::sample::{LARGEST_GUIDE, Sample, SampleFault};
 
@@ -287,6 +288,16 @@ pub enum Refusal {
     Sample(SampleFault),
     /// A sum would leave its range.
     Overflow,
+}
+
+impl Refusal {
+    /// The same, said of a pixel.
+    pub(crate) fn of(self, x: u32, y: u32) -> FilmError {
+        match self {
+            Self::Sample(fault) => FilmError::BadSample { x, y, fault },
+            Self::Overflow => FilmError::Overflow { x, y },
+        }
+    }
 }
 
 /// Whether [`PixelSums::from_sample`] takes the sample. No branches: nearly all samples are taken.
