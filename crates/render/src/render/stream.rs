@@ -20,6 +20,9 @@ use std::sync::atomic::Ordering;
 /// Samples that wait before their tile is locked.
 const BATCH: usize = 64;
 
+/// Most paths that are prepared at once.
+const PREPARED: u64 = 16;
+
 /// The paths of one thread.
 pub(super) struct Stream<'a, 'film> {
     rendering: &'a Rendering<'film>,
@@ -30,6 +33,8 @@ pub(super) struct Stream<'a, 'film> {
     open: Vec<OpenTask>,
     free: Vec<u32>,
     dealing: Option<Dealing>,
+    /// Paths that are prepared, the next one last.
+    ready: Vec<NewPath<Tag>>,
     dry: bool,
 }
 
@@ -72,22 +77,10 @@ impl PathSource for Stream<'_, '_> {
     type Tag = Tag;
 
     fn next_path(&mut self) -> Option<NewPath<Tag>> {
-        while self.dealing.as_ref().is_none_or(|dealing| dealing.sample == dealing.samples.end) {
-            if !self.go_on() {
-                return None;
-            }
+        if self.ready.is_empty() && !self.prepare() {
+            return None;
         }
-        let dealing = self.dealing.as_mut()?;
-        let (slot, (x, y), sample) = (dealing.slot, dealing.pixel, dealing.sample);
-        dealing.sample += 1;
-        self.open[slot as usize].under_way += 1;
-        let scene = self.rendering.scene;
-        let stream = u64::from(y) * u64::from(scene.film.width) + u64::from(x);
-        let key = PathKey::new(scene.film.seed, stream, sample);
-        let [jitter_x, jitter_y, _] = numbers(key, 0);
-        let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
-        let ray = scene.camera.ray(px, py);
-        Some(NewPath { tag: Tag { slot, x, y }, ray, key, event: 1 })
+        self.ready.pop()
     }
 
     fn finish(&mut self, Tag { slot, x, y }: Tag, path: &PathResult) {
@@ -115,6 +108,7 @@ impl<'a, 'film> Stream<'a, 'film> {
             open: Vec::new(),
             free: Vec::new(),
             dealing: None,
+            ready: Vec::with_capacity(PREPARED as usize),
             dry: false,
         }
     }
@@ -124,6 +118,32 @@ impl<'a, 'film> Stream<'a, 'film> {
         for slot in 0..self.open.len() as u32 {
             self.flush_task(slot);
         }
+    }
+
+    /// Prepares some paths at once, which takes half the time of one by one: what each waits for, others
+    /// fill. `false` where there are no more.
+    fn prepare(&mut self) -> bool {
+        while self.dealing.as_ref().is_none_or(|dealing| dealing.sample == dealing.samples.end) {
+            if !self.go_on() {
+                return false;
+            }
+        }
+        let Some(dealing) = &mut self.dealing else { return false };
+        let scene = self.rendering.scene;
+        let (slot, (x, y)) = (dealing.slot, dealing.pixel);
+        let stream = u64::from(y) * u64::from(scene.film.width) + u64::from(x);
+        let first = dealing.sample;
+        dealing.sample = dealing.samples.end.min(first + PREPARED);
+        self.open[slot as usize].under_way += (dealing.sample - first) as u32;
+        // Backwards, as they are taken from the end.
+        self.ready.extend((first..dealing.sample).rev().map(|sample| {
+            let key = PathKey::new(scene.film.seed, stream, sample);
+            let [jitter_x, jitter_y, _] = numbers(key, 0);
+            let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
+            let ray = scene.camera.ray(px, py);
+            NewPath { tag: Tag { slot, x, y }, ray, key, event: 1 }
+        }));
+        true
     }
 
     /// Goes on to the next pixel, or towards the next task; `false` where there are no more paths.
