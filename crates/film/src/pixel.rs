@@ -180,7 +180,20 @@ impl PixelSums {
     /// Mean radiance; 0 without samples.
     #[must_use]
     pub fn mean_radiance(&self) -> [f64; 3] {
-        self.radiance.map(|sum| self.mean(sum as f64, FRACTION_BITS))
+        self.by_channel(|channel| self.mean(self.radiance[channel] as f64, FRACTION_BITS))
+    }
+
+    /// A function of the sums of each channel, which is asked once where they are equal: white snow
+    /// under a white sky is the usual case.
+    fn by_channel(&self, function: impl Fn(usize) -> f64) -> [f64; 3] {
+        let same = |a: usize, b: usize| {
+            self.radiance[a] == self.radiance[b]
+                && self.radiance_squared[a] == self.radiance_squared[b]
+        };
+        let red = function(0);
+        let green = if same(0, 1) { red } else { function(1) };
+        let blue = if same(1, 2) { green } else { function(2) };
+        [red, green, blue]
     }
 
     /// Unbiased estimate of the variance of [`PixelSums::mean_radiance`]; infinite with fewer than
@@ -191,7 +204,7 @@ impl PixelSums {
             return [f64::INFINITY; 3];
         }
         let n = self.samples as f64;
-        std::array::from_fn(|channel| {
+        self.by_channel(|channel| {
             let sum = self.radiance[channel].unsigned_abs();
             let spread = spread(self.samples, self.radiance_squared[channel], sum);
             spread * power_of_two(-2 * FRACTION_BITS) / (n * n * (n - 1.0))
