@@ -327,6 +327,7 @@ mod tests {
             density: None,
             rule,
             max_slope_degrees: 90.0,
+            direction: DepositSettings::DOWN,
             area: Some([-0.05, -0.05, 0.05, 0.05]),
             seed: 0,
         })

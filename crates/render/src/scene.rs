@@ -148,8 +148,10 @@ fn build_grid(
     }
     let field = fall(description, surfaces, report, stage)?;
     stage(BuildStage::Packing);
-    let grid = GrainGrid::build(field.quantisation, &field.grains, surfaces)?;
-    let digest = GrainDigest::new(field.quantisation, field.grains.iter().copied());
+    let quantisation = field.quantisation;
+    let grains = field.into_grains();
+    let grid = GrainGrid::build(quantisation, &grains, surfaces)?;
+    let digest = GrainDigest::new(quantisation, grains.into_iter());
     Ok((grid, digest))
 }
 

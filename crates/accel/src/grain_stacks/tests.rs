@@ -119,7 +119,7 @@ fn queries_equal_a_search_of_all_grains() {
     let plan =
         PlanRectangle { min: [corner[0], corner[2]], max: [corner[0] + width, corner[2] + width] };
     for side in [2 * R as u16, 50_000] {
-        let mut stacks = GrainStacks::new(plan, side).unwrap();
+        let mut stacks = GrainStacks::new(plan, side, [0.0; 2]).unwrap();
         compare_with_brute_force(&mut stacks, &grains, corner, width);
         assert_eq!(stacks.len(), 1500);
         let (mut kept, mut given): (Vec<_>, _) = (stacks.iter().collect(), grains.clone());
@@ -135,7 +135,7 @@ fn queries_on_a_periodic_plan_see_every_image() {
     let width = 8 * i32::from(side);
     let corner = [-123_456, 1_000_000, 99];
     let grains = scattered(800, corner, width, 8 * R);
-    let mut stacks = GrainStacks::periodic([corner[0], corner[2]], [8, 8], side).unwrap();
+    let mut stacks = GrainStacks::periodic([corner[0], corner[2]], [8, 8], side, [0.0; 2]).unwrap();
     assert_eq!(stacks.period(), Some([width, width]));
     compare_with_brute_force(&mut stacks, &grains, corner, width);
 }
@@ -143,7 +143,7 @@ fn queries_on_a_periodic_plan_see_every_image() {
 #[test]
 fn the_plan_grows_around_grains_that_stay() {
     let plan = PlanRectangle { min: [0, 0], max: [10 * R, 10 * R] };
-    let mut stacks = GrainStacks::new(plan, 2 * R as u16).unwrap();
+    let mut stacks = GrainStacks::new(plan, 2 * R as u16, [0.0; 2]).unwrap();
     let near = QuantisedGrain { center: [R, 0, 5 * R], radius: R as u16 };
     let far = QuantisedGrain { center: [-40 * R, 3, 77 * R], radius: R as u16 };
     stacks.push(near).unwrap();

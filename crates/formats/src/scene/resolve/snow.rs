@@ -125,6 +125,7 @@ impl Body<'_> {
             density: self.density()?,
             rule,
             max_slope_degrees,
+            direction: DepositSettings::DOWN,
             area,
             seed: self.table.seed.unwrap_or(self.index as u64),
         })

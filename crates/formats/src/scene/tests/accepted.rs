@@ -41,6 +41,7 @@ fn defaults_are_those_of_the_manual() {
         density: None,
         rule: DepositRule::Ray,
         max_slope_degrees: 80.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: 0,
     };
@@ -58,6 +59,7 @@ fn every_deposit_key_arrives_in_metres() {
         density: Some(250.0),
         rule: DepositRule::Roll,
         max_slope_degrees: 60.0,
+        direction: DepositSettings::DOWN,
         area: Some([-1.0, -2.0, 0.5, 0.25]),
         seed: 7,
     };
