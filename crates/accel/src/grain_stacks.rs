@@ -29,7 +29,8 @@ use window::{Frame, Window};
 
 pub use fall::{Fall, FallHit};
 pub use plan::PlanRectangle;
-pub use region::{RegionLayout, StackRegion};
+pub use region::{RegionEdge, RegionLayout, StackRegion};
+pub use window::Quad;
 
 /// Most cells a plan may have: one gibibyte of them.
 const MOST_CELLS: i64 = 1 << 27;

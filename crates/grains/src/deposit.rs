@@ -35,7 +35,7 @@ use pile::Pile;
 use rules::Drop;
 
 pub use fill::reached_solid_fraction;
-use snowgrain_accel::{GrainStacks, SimdLevel, Surfaces};
+use snowgrain_accel::{GrainStacks, RegionEdge, SimdLevel, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 
 /// Drops in a row without a grain that lies, after which a snowfall gives up (it looks after each
@@ -178,7 +178,7 @@ impl<'a> Snowfall<'a> {
         let (stacks, others) = self.pile.split(class);
         let mut falling = Falling {
             drop: Drop::new(settings, &self.quantisation, &self.ground, area, self.snowfalls),
-            tiles: batch::tiles_of_a_region(stacks),
+            edge: batch::region_edge(stacks),
             stacks,
             others,
             report: DepositReport::default(),
@@ -207,8 +207,8 @@ struct Falling<'f> {
     stacks: &'f mut GrainStacks,
     /// Those of grains of other sizes, which only lie there.
     others: Vec<&'f GrainStacks>,
-    /// Tiles along an edge of the regions that threads own.
-    tiles: u8,
+    /// Edge of the regions that threads own.
+    edge: RegionEdge,
     report: DepositReport,
     drops: u64,
     drops_since_success: u64,

@@ -3,7 +3,7 @@
 use super::block::{Block, LANES, NO_BLOCK};
 use super::plan::{Drift, Plan};
 use super::tile::Tile;
-use super::window::{SeenCell, Window};
+use super::window::{Quad, SeenCell, Window};
 use super::{GrainSlot, GrainStacks};
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f32x16};
@@ -89,10 +89,17 @@ impl<T: Borrow<Tile>> Window<'_, T> {
     /// As [`GrainStacks::first_contact`], among the cells of the window.
     #[inline]
     pub(super) fn first_contact(&self, fall: &Fall<'_>) -> Option<FallHit> {
+        let reach = fall.radius + f64::from(self.plan.largest_radius);
+        self.first_contact_at(&self.quad(fall.x, fall.z, reach), fall)
+    }
+
+    /// The same, with the four cells nearest to the line of fall already looked up.
+    #[inline]
+    pub(super) fn first_contact_at(&self, quad: &Quad, fall: &Fall<'_>) -> Option<FallHit> {
         if self.plan.drift.is_vertical() {
-            dispatch!(self.plan.level, simd => search::<_, _, false>(simd, self, fall))
+            dispatch!(self.plan.level, simd => search::<_, _, false>(simd, self, quad, fall))
         } else {
-            dispatch!(self.plan.level, simd => search::<_, _, true>(simd, self, fall))
+            dispatch!(self.plan.level, simd => search::<_, _, true>(simd, self, quad, fall))
         }
     }
 }
@@ -103,32 +110,50 @@ struct Found {
     hit: Option<(GrainSlot, QuantisedGrain)>,
 }
 
+impl Found {
+    /// Keeps the grain of a lane if it is met higher.
+    #[inline(always)]
+    fn try_lane<const LEANING: bool>(
+        &mut self,
+        plan: &Plan,
+        fall: &Fall<'_>,
+        cell: &SeenCell<'_>,
+        [index, lane]: [u32; 2],
+    ) {
+        let grain = plan.grain(cell.tile.block(index), lane as usize, cell.corner);
+        let height = contact_height::<LEANING>(&plan.drift, grain, fall);
+        if height > self.height && height <= fall.from {
+            let slot = cell.tile.slot(index, lane as usize);
+            if !fall.ignored.contains(&slot) {
+                *self = Self { height, hit: Some((slot, grain)) };
+            }
+        }
+    }
+}
+
 #[inline(always)]
 fn search<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
     simd: S,
     window: &Window<'_, T>,
+    quad: &Quad,
     fall: &Fall<'_>,
 ) -> Option<FallHit> {
     let plan = window.plan;
     let mut found = Found { height: fall.down_to, hit: None };
-    let reach = fall.radius + f64::from(plan.largest_radius);
-    let column = plan.nearest_cell_coordinate(fall.x, 0);
-    let row = plan.nearest_cell_coordinate(fall.z, 1);
-    if let Some(cell) = window.cell(column, row) {
-        search_cell::<S, LEANING>(simd, plan, fall, &cell, &mut found);
+    search_quad::<S, T, LEANING>(simd, window, quad, fall, &mut found);
+    let [columns, rows] = quad.spans;
+    if quad.is_all() {
+        let height = found.height;
+        return found.hit.map(|(slot, grain)| FallHit { slot, grain, height });
     }
-    let columns = plan.cell_range(fall.x, reach, 0);
-    for r in plan.cell_range(fall.z, reach, 1) {
-        for c in columns.clone() {
-            if (c, r) == (column, row) {
+    for row in rows.low..=rows.high {
+        for column in columns.low..=columns.high {
+            if quad.holds(column, row) {
                 continue;
             }
-            let Some(cell) = window.cell(c, r) else { continue };
-            // A contact is never higher than the grain's top plus the falling radius.
-            if f64::from(cell.top) + fall.radius >= found.height
-                && (LEANING || highest_contact(plan, fall, &cell) > found.height)
-            {
-                search_cell::<S, LEANING>(simd, plan, fall, &cell, &mut found);
+            let Some(cell) = window.cell(column, row) else { continue };
+            if may_beat::<LEANING>(plan, fall, cell.corner, cell.top, found.height) {
+                search_cell::<S, LEANING>(simd, plan, fall, &cell, cell.newest, &mut found);
             }
         }
     }
@@ -136,13 +161,97 @@ fn search<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
     found.hit.map(|(slot, grain)| FallHit { slot, grain, height })
 }
 
+/// Searches the four nearest cells: first their newest blocks, all four without a branch between
+/// them, then what is older as far as it can matter.
+#[inline(always)]
+fn search_quad<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
+    simd: S,
+    window: &Window<'_, T>,
+    quad: &Quad,
+    fall: &Fall<'_>,
+    found: &mut Found,
+) {
+    let plan = window.plan;
+    let Some(cells) = window.full_cells(quad) else {
+        for which in 0..4 {
+            let Some(cell) = window.quad_cell(quad, which) else { continue };
+            search_cell::<S, LEANING>(simd, plan, fall, &cell, cell.newest, found);
+        }
+        return;
+    };
+    if !fall.meets_all() {
+        for cell in &cells {
+            if may_beat::<LEANING>(plan, fall, cell.corner, cell.top, found.height) {
+                search_cell::<S, LEANING>(simd, plan, fall, cell, cell.newest, found);
+            }
+        }
+        return;
+    }
+    let base = cells[0].top;
+    let mut heights = [[0.0f32; LANES]; 4];
+    let mut highest = f32x16::splat(simd, f32::NEG_INFINITY);
+    for (cell, heights) in cells.iter().zip(&mut heights) {
+        let block = cell.tile.block(cell.newest);
+        contact_heights::<LEANING>(block, plan, fall, cell.corner, base, heights);
+        highest = highest.max(f32x16::from_slice(simd, heights));
+    }
+    let mut most = [0.0f32; LANES];
+    highest.store_slice(&mut most);
+    let mut width = LANES / 2;
+    while width > 0 {
+        for lane in 0..width {
+            most[lane] = if most[lane + width] > most[lane] { most[lane + width] } else { most[lane] };
+        }
+        width /= 2;
+    }
+    let best = most[0];
+    if best > f32::NEG_INFINITY {
+        // All but the highest, to within the margins, lose.
+        let least = f32x16::splat(simd, best - 2.0 * margin::<LEANING>() as f32);
+        let mut lanes = 0u64;
+        for (which, heights) in heights.iter().enumerate() {
+            let wanted = f32x16::from_slice(simd, heights).simd_ge(least).to_bitmask() as u16;
+            lanes |= u64::from(wanted) << (16 * which);
+        }
+        while lanes != 0 {
+            let at = lanes.trailing_zeros();
+            lanes &= lanes - 1;
+            let cell = &cells[at as usize / LANES];
+            found.try_lane::<LEANING>(plan, fall, cell, [cell.newest, at % LANES as u32]);
+        }
+    }
+    for cell in &cells {
+        let block = cell.tile.block(cell.newest);
+        let older = block.older();
+        if older != NO_BLOCK
+            && may_beat::<LEANING>(plan, fall, cell.corner, block.older_top(), found.height)
+        {
+            search_cell::<S, LEANING>(simd, plan, fall, cell, older, found);
+        }
+    }
+}
+
+/// Whether grains of a cell with tops up to `top` may be met at or above `height`.
+#[inline(always)]
+fn may_beat<const LEANING: bool>(
+    plan: &Plan,
+    fall: &Fall<'_>,
+    corner: [i64; 2],
+    top: i32,
+    height: f64,
+) -> bool {
+    // A contact is never higher than the grain's top plus the falling radius.
+    f64::from(top) + fall.radius >= height
+        && (LEANING || highest_contact(plan, fall, corner, top) > height)
+}
+
 /// Highest contact that grains of a cell can make with what falls straight down.
 #[inline(always)]
-fn highest_contact(plan: &Plan, fall: &Fall<'_>, cell: &SeenCell<'_>) -> f64 {
+fn highest_contact(plan: &Plan, fall: &Fall<'_>, corner: [i64; 2], top: i32) -> f64 {
     let side = f64::from(plan.side);
     let largest = f64::from(plan.largest_radius);
     let reach = fall.radius + largest;
-    let (x0, z0) = (cell.corner[0] as f64, cell.corner[1] as f64);
+    let (x0, z0) = (corner[0] as f64, corner[1] as f64);
     let dx = (x0 - fall.x).max(fall.x - (x0 + side)).max(0.0);
     let dz = (z0 - fall.z).max(fall.z - (z0 + side)).max(0.0);
     let square = reach * reach - dx * dx - dz * dz;
@@ -150,36 +259,32 @@ fn highest_contact(plan: &Plan, fall: &Fall<'_>, cell: &SeenCell<'_>) -> f64 {
         return f64::NEG_INFINITY;
     }
     // Of two grains with the same top, the larger lies lower and reaches farther.
-    f64::from(cell.top) - largest + square.sqrt() + 1.0
+    f64::from(top) - largest + square.sqrt() + 1.0
 }
 
+/// Searches a stack from block `index` down.
 #[inline(always)]
 fn search_cell<S: Simd, const LEANING: bool>(
     simd: S,
     plan: &Plan,
     fall: &Fall<'_>,
     cell: &SeenCell<'_>,
+    mut index: u32,
     found: &mut Found,
 ) {
-    let mut index = cell.newest;
     loop {
         let block = cell.tile.block(index);
-        let mut lanes = candidates::<S, LEANING>(simd, block, plan, fall, cell.corner, found.height);
+        let mut lanes =
+            candidates::<S, LEANING>(simd, block, plan, fall, cell.corner, found.height);
         while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
+            let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;
-            let grain = plan.grain(block, lane, cell.corner);
-            let height = contact_height::<LEANING>(&plan.drift, grain, fall);
-            if height > found.height && height <= fall.from {
-                let slot = cell.tile.slot(index, lane);
-                if !fall.ignored.contains(&slot) {
-                    *found = Found { height, hit: Some((slot, grain)) };
-                }
-            }
+            found.try_lane::<LEANING>(plan, fall, cell, [index, lane]);
         }
         index = block.older();
-        // A contact is never higher than the grain's top plus the falling radius.
-        if index == NO_BLOCK || f64::from(block.older_top()) + fall.radius < found.height {
+        if index == NO_BLOCK
+            || !may_beat::<LEANING>(plan, fall, cell.corner, block.older_top(), found.height)
+        {
             return;
         }
     }
@@ -207,25 +312,30 @@ fn contact_height<const LEANING: bool>(
     if square < 0.0 { f64::NEG_INFINITY } else { y + drift.rise * (square.sqrt() - along) }
 }
 
-/// Lanes whose contact may be the highest between `best` and the start of the fall, found in single
-/// precision with margins; never misses the one that is.
+/// What a height in single precision may be off by.
 #[inline(always)]
-fn candidates<S: Simd, const LEANING: bool>(
-    simd: S,
+fn margin<const LEANING: bool>() -> f64 {
+    ROUNDED_HEIGHT + if LEANING { LEANING_HEIGHT_MARGIN } else { HEIGHT_MARGIN }
+}
+
+/// Heights over `base` of the contacts with the grains of a block, to within the margin; `-inf`
+/// where the grain is clearly not met, or there is none.
+#[inline(always)]
+fn contact_heights<const LEANING: bool>(
     block: &Block,
     plan: &Plan,
     fall: &Fall<'_>,
     corner: [i64; 2],
-    best: f64,
-) -> u32 {
+    base: i32,
+    heights: &mut [f32; LANES],
+) {
     let x = (fall.x - corner[0] as f64) as f32;
     let z = (fall.z - corner[1] as f64) as f32;
     let radius = fall.radius as f32;
-    let base = block.y[0];
     let (drift_x, drift_z, rise) =
         (plan.drift.x as f32, plan.drift.z as f32, plan.drift.rise as f32);
     let square_margin = if LEANING { LEANING_SQUARE_MARGIN } else { SQUARE_MARGIN };
-    let mut heights = [0.0f32; LANES];
+    let count = block.count() as i32;
     for (lane, height) in heights.iter_mut().enumerate() {
         let dx = x - f32::from(block.x[lane]);
         let dz = z - f32::from(block.z[lane]);
@@ -239,26 +349,27 @@ fn candidates<S: Simd, const LEANING: bool>(
         let up = if square > 0.0 { square } else { 0.0 }.sqrt();
         let up = if LEANING { rise * (up - along) } else { up };
         let at = (block.y[lane].wrapping_sub(base)) as f32 + up;
-        *height = if square > -square_margin { at } else { f32::NEG_INFINITY };
+        let met = (square > -square_margin) & ((lane as i32) < count);
+        *height = if met { at } else { f32::NEG_INFINITY };
     }
-    let margin = if LEANING { LEANING_HEIGHT_MARGIN } else { HEIGHT_MARGIN } + ROUNDED_HEIGHT;
-    let above = (best - f64::from(base) - margin) as f32;
-    let lanes = f32x16::from_slice(simd, &heights);
-    let mut wanted = lanes.simd_gt(above).to_bitmask() as u32 & block.lanes();
-    if fall.meets_all() {
-        // All but the highest, to within the margins, lose.
-        let mut left = wanted & wanted.wrapping_sub(1);
-        if left != 0 {
-            let mut highest = heights[wanted.trailing_zeros() as usize];
-            while left != 0 {
-                let height = heights[left.trailing_zeros() as usize];
-                highest = if height > highest { height } else { highest };
-                left &= left - 1;
-            }
-            wanted &= lanes.simd_ge(highest - 2.0 * margin as f32).to_bitmask() as u32;
-        }
-        return wanted;
-    }
-    let below = (fall.from - f64::from(base) + margin) as f32;
-    wanted & lanes.simd_le(below).to_bitmask() as u32
+}
+
+/// Lanes whose contact may lie between `best` and the start of the fall, found in single precision
+/// with margins; never misses one.
+#[inline(always)]
+fn candidates<S: Simd, const LEANING: bool>(
+    simd: S,
+    block: &Block,
+    plan: &Plan,
+    fall: &Fall<'_>,
+    corner: [i64; 2],
+    best: f64,
+) -> u32 {
+    let base = block.y[0];
+    let mut heights = [0.0f32; LANES];
+    contact_heights::<LEANING>(block, plan, fall, corner, base, &mut heights);
+    let above = (best - f64::from(base) - margin::<LEANING>()) as f32;
+    let below = (fall.from - f64::from(base) + margin::<LEANING>()) as f32;
+    let heights = f32x16::from_slice(simd, &heights);
+    (heights.simd_gt(above) & heights.simd_le(below)).to_bitmask() as u32
 }

@@ -54,8 +54,23 @@ impl Drift {
     }
 }
 
-/// Cells along each edge of a tile.
-pub(super) const TILE_EDGE: i32 = 16;
+/// Cells along each edge of a tile, and the logarithm of that.
+pub(super) const TILE_EDGE: i32 = 1 << TILE_BITS;
+pub(super) const TILE_BITS: u32 = 4;
+
+/// Quanta by which a grain may come to rest beside the exact place on the plan, with room for the
+/// rounding of cells.
+const ROUNDING: f64 = 4.0;
+
+/// Columns or rows around a place of the plan, unwrapped.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    /// First of the two that are nearest.
+    pub(super) nearest: i32,
+    /// First and last of those that a fall may touch.
+    pub(super) low: i32,
+    pub(super) high: i32,
+}
 
 /// Where the cells are and what every query needs to know.
 #[derive(Clone, Copy, Debug)]
@@ -145,6 +160,24 @@ impl Plan {
         let reach = reach * self.drift.shadow[axis] + 1.0;
         self.nearest_cell_coordinate(coordinate - reach, axis)
             ..=self.nearest_cell_coordinate(coordinate + reach, axis)
+    }
+
+    /// Columns or rows that hold all grains which a sphere that falls here with a reach of `reach`,
+    /// its radius and that of the largest grain, may meet, and the places where it may rest.
+    #[inline(always)]
+    pub(super) fn span(&self, coordinate: f64, reach: f64, axis: usize) -> Span {
+        let cells = (coordinate - f64::from(self.anchor[axis])) * self.cells_per_quantum;
+        let towards_zero = cells as i32;
+        let here = towards_zero - i32::from(f64::from(towards_zero) > cells);
+        let part = cells - f64::from(here);
+        let reach = (reach * self.drift.shadow[axis] + ROUNDING) * self.cells_per_quantum;
+        let nearest = here - i32::from(part < 0.5);
+        if reach < 1.0 {
+            let low = here - i32::from(part < reach);
+            return Span { nearest, low, high: here + i32::from(part + reach >= 1.0) };
+        }
+        let low = here + (part - reach).floor() as i32;
+        Span { nearest, low, high: here + (part + reach) as i32 }
     }
 
     /// Least corner of the cell in an unwrapped column and row.

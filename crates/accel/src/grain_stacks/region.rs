@@ -5,28 +5,30 @@
 //! its cells in every square that it touches, and whatever comes later and needs one of them waits
 //! too ([`StackRegion::claim`]). So two falls that share a cell keep their order.
 
-use super::block::NO_BLOCK;
 use super::fall::{Fall, FallHit};
-use super::plan::{Plan, TILE_EDGE};
+use super::plan::{Plan, TILE_BITS, TILE_EDGE};
 use super::tile::Tile;
-use super::window::{Frame, Window};
+use super::window::{Frame, Quad, Window};
 use super::{GrainSlot, GrainStacks, GrainStacksError};
-use crate::prefetch::prefetch;
 use snowgrain_geometry::QuantisedGrain;
 use snowgrain_math::DVec3;
-use std::ops::RangeInclusive;
 
-/// Most tiles along an edge of a region: its rows of cells are the bits of a word.
-const MOST_TILES: i32 = 64 / TILE_EDGE;
-/// Quanta by which a grain may come to rest beside the exact place.
-const ROUNDING: f64 = 3.0;
+/// How large regions are: short edges give more threads work on a small plan, long ones leave fewer
+/// falls between regions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RegionEdge {
+    /// 32 cells.
+    Short,
+    /// 64 cells (a row of them is a word of claims).
+    Long,
+}
 
 /// A division of a plan into square regions.
 #[derive(Clone, Copy, Debug)]
 pub struct RegionLayout {
     plan: Plan,
-    /// Cells along the edge of a region.
-    edge: i32,
+    /// Logarithm of the cells along the edge of a region.
+    edge_bits: u32,
     /// Cells by which the regions are shifted to lower columns and rows.
     shift: i32,
     /// Regions along x and z.
@@ -47,7 +49,7 @@ impl RegionLayout {
     }
 
     fn region_at(&self, place: [i32; 2]) -> usize {
-        let [column, row] = place.map(|at| (at + self.shift) / self.edge);
+        let [column, row] = place.map(|at| (at + self.shift) >> self.edge_bits);
         (row * self.counts[0] + column) as usize
     }
 
@@ -64,9 +66,9 @@ impl RegionLayout {
     #[inline]
     pub fn touched(&self, x: f64, z: f64, reach: f64, touched: &mut Vec<u32>) {
         touched.clear();
-        let Footprint { columns, rows } = Footprint::new(&self.plan, x, z, reach);
-        let low = self.plan.place(*columns.start(), *rows.start());
-        let high = self.plan.place(*columns.end(), *rows.end());
+        let [columns, rows] = [self.plan.span(x, reach, 0), self.plan.span(z, reach, 1)];
+        let low = self.plan.place(columns.low, rows.low);
+        let high = self.plan.place(columns.high, rows.high);
         if let (Some(low), Some(high)) = (low, high)
             && low[0] <= high[0]
             && low[1] <= high[1]
@@ -75,8 +77,8 @@ impl RegionLayout {
             touched.push(self.region_at(low) as u32);
             return;
         }
-        for row in rows {
-            for column in columns.clone() {
+        for row in rows.low..=rows.high {
+            for column in columns.low..=columns.high {
                 let Some(place) = self.plan.place(column, row) else { continue };
                 let region = self.region_at(place) as u32;
                 if !touched.contains(&region) {
@@ -84,20 +86,6 @@ impl RegionLayout {
                 }
             }
         }
-    }
-}
-
-/// The cells that a fall may read or write.
-struct Footprint {
-    columns: RangeInclusive<i32>,
-    rows: RangeInclusive<i32>,
-}
-
-impl Footprint {
-    #[inline(always)]
-    fn new(plan: &Plan, x: f64, z: f64, reach: f64) -> Self {
-        let reach = reach + ROUNDING;
-        Self { columns: plan.cell_range(x, reach, 0), rows: plan.cell_range(z, reach, 1) }
     }
 }
 
@@ -112,14 +100,17 @@ pub struct StackRegion<'a> {
 }
 
 impl GrainStacks {
-    /// Divides the plan into regions of about `tiles` tiles of 16 cells along an edge (1..=4), from
-    /// the first cell or `shifted` by half an edge.
+    /// Divides the plan into regions, from the first cell or `shifted` by half an edge.
     #[must_use]
-    pub fn layout(&self, tiles: u8, shifted: bool) -> RegionLayout {
-        let edge = i32::from(tiles).clamp(1, MOST_TILES) * TILE_EDGE;
-        let shift = if shifted { (edge / 2 / TILE_EDGE).max(1) * TILE_EDGE } else { 0 };
+    pub fn layout(&self, edge: RegionEdge, shifted: bool) -> RegionLayout {
+        let edge_bits = match edge {
+            RegionEdge::Short => TILE_BITS + 1,
+            RegionEdge::Long => TILE_BITS + 2,
+        };
+        let edge = 1 << edge_bits;
+        let shift = if shifted { edge / 2 } else { 0 };
         let counts = self.plan.counts.map(|count| (count + shift + edge - 1) / edge);
-        RegionLayout { plan: self.plan, edge, shift, counts }
+        RegionLayout { plan: self.plan, edge_bits, shift, counts }
     }
 
     /// The regions of a layout of this plan, in its order.
@@ -128,16 +119,16 @@ impl GrainStacks {
         let mut regions: Vec<StackRegion<'_>> = (0..layout.len() as i32)
             .map(|index| {
                 let at = [index % layout.counts[0], index / layout.counts[0]];
-                let first = at.map(|at| (at * layout.edge - layout.shift).max(0));
+                let first = at.map(|at| ((at << layout.edge_bits) - layout.shift).max(0));
                 let counts = [0, 1].map(|axis| {
-                    let end = (at[axis] + 1) * layout.edge - layout.shift;
+                    let end = ((at[axis] + 1) << layout.edge_bits) - layout.shift;
                     end.min(self.plan.counts[axis]) - first[axis]
                 });
                 let tile_columns = (counts[0] + TILE_EDGE - 1) / TILE_EDGE;
                 StackRegion {
                     plan: self.plan,
                     frame: Frame { first, counts, tile_columns },
-                    tiles: Vec::with_capacity((layout.edge / TILE_EDGE).pow(2) as usize),
+                    tiles: Vec::with_capacity(1 << (2 * (layout.edge_bits - TILE_BITS))),
                     claimed: [0; 64],
                 }
             })
@@ -165,14 +156,14 @@ impl<'a> StackRegion<'a> {
         Window { plan: &self.plan, frame: self.frame, tiles: &self.tiles }
     }
 
-    /// Whether a fall with this line and reach (as in [`RegionLayout::touched`]) may be followed
-    /// now: all its cells belong to this region, and none is claimed. Otherwise it claims them.
+    /// Whether the fall that `quad` was looked up for may be followed now: all its cells belong to
+    /// this region, and none is claimed. Otherwise it claims them.
     #[inline]
-    pub fn claim(&mut self, x: f64, z: f64, reach: f64) -> bool {
-        let Footprint { columns, rows } = Footprint::new(&self.plan, x, z, reach);
+    pub fn claim(&mut self, quad: &Quad) -> bool {
+        let [columns, rows] = quad.spans;
         let from = [0, 1].map(|axis| self.plan.first[axis] + self.frame.first[axis]);
-        let (left, right) = (columns.start() - from[0], columns.end() - from[0]);
-        let (low, high) = (rows.start() - from[1], rows.end() - from[1]);
+        let (left, right) = (columns.low - from[0], columns.high - from[0]);
+        let (low, high) = (rows.low - from[1], rows.high - from[1]);
         let inside =
             left >= 0 && low >= 0 && right < self.frame.counts[0] && high < self.frame.counts[1];
         if inside {
@@ -184,8 +175,8 @@ impl<'a> StackRegion<'a> {
             words.iter_mut().for_each(|word| *word |= mask);
             return false;
         }
-        for row in rows {
-            for column in columns.clone() {
+        for row in rows.low..=rows.high {
+            for column in columns.low..=columns.high {
                 let Some(place) = self.plan.place(column, row) else { continue };
                 if self.frame.tile_index(place).is_some() {
                     let row = (place[1] - self.frame.first[1]) as usize;
@@ -228,30 +219,30 @@ impl<'a> StackRegion<'a> {
         self.tiles[index].push(Tile::cell_index(place), local, y, grain.radius)
     }
 
-    /// Asks for the head of the stack where a line of fall crosses y = 0, ahead of its use.
+    /// Looks up the cells that a fall on this line, with a reach of its radius and the largest
+    /// stored, will ask first.
+    #[must_use]
     #[inline]
-    pub fn prefetch_cell(&self, x: f64, z: f64) {
-        if let Some((tile, cell)) = self.tile_and_cell(x, z) {
-            prefetch(&tile.cells[cell]);
-        }
+    pub fn quad(&self, x: f64, z: f64, reach: f64) -> Quad {
+        self.window().quad(x, z, reach)
     }
 
-    /// Asks for the newest block there, ahead of its use.
+    /// As [`Self::first_contact`], with the cells of its line looked up.
+    #[must_use]
     #[inline]
-    pub fn prefetch_block(&self, x: f64, z: f64) {
-        if let Some((tile, cell)) = self.tile_and_cell(x, z) {
-            let newest = tile.cells[cell].newest;
-            if newest != NO_BLOCK {
-                tile.block(newest).prefetch();
-            }
-        }
+    pub fn first_contact_at(&self, quad: &Quad, fall: &Fall<'_>) -> Option<FallHit> {
+        self.window().first_contact_at(quad, fall)
     }
 
-    #[inline(always)]
-    fn tile_and_cell(&self, x: f64, z: f64) -> Option<(&Tile, usize)> {
-        let column = self.plan.nearest_cell_coordinate(x, 0);
-        let row = self.plan.nearest_cell_coordinate(z, 1);
-        let place = self.plan.place(column, row)?;
-        Some((&*self.tiles[self.frame.tile_index(place)?], Tile::cell_index(place)))
+    /// Asks for the heads of the stacks of a quad, ahead of their use.
+    #[inline]
+    pub fn prefetch_cells(&self, quad: &Quad) {
+        self.window().prefetch_cells(quad);
+    }
+
+    /// Asks for the newest blocks of a quad, ahead of their use.
+    #[inline]
+    pub fn prefetch_blocks(&self, quad: &Quad) {
+        self.window().prefetch_blocks(quad);
     }
 }

@@ -1,7 +1,7 @@
 //! A square of cells with the blocks of their stacks: what one thread owns while grains fall.
 
 use super::block::{Block, GRAINS_PER_BLOCK, NO_BLOCK};
-use super::plan::TILE_EDGE;
+use super::plan::{TILE_BITS, TILE_EDGE};
 use super::{GrainSlot, GrainStacksError};
 
 /// Blocks are allocated in chunks of this many, so that growing never copies nor doubles.
@@ -45,7 +45,8 @@ impl Tile {
     /// Index of the cell in this column and row of the plan, of those that belong to this tile.
     #[inline(always)]
     pub(super) fn cell_index([column, row]: [i32; 2]) -> usize {
-        ((row % TILE_EDGE) * TILE_EDGE + column % TILE_EDGE) as usize
+        let last = TILE_EDGE - 1;
+        ((row & last) << TILE_BITS | (column & last)) as usize
     }
 
     #[inline(always)]

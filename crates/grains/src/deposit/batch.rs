@@ -14,7 +14,9 @@ use super::rules::{Drop, Fate, Start};
 use super::{DepositReport, Falling};
 use crate::GrainsError;
 use rayon::prelude::*;
-use snowgrain_accel::{GrainStacks, GrainStacksError, RegionLayout, StackRegion};
+use snowgrain_accel::{
+    GrainStacks, GrainStacksError, Quad, RegionEdge, RegionLayout, StackRegion,
+};
 use snowgrain_geometry::QuantisedGrain;
 
 /// Drops of a batch for each cell that they fall on: few enough that few of them wait.
@@ -29,11 +31,11 @@ const CHUNK: usize = 1 << 14;
 const CELLS_AHEAD: usize = 8;
 const BLOCKS_AHEAD: usize = 4;
 
-/// Tiles along an edge of the regions of such stacks: small where there are few cells, so that
-/// threads find work; larger ones keep fewer drops waiting.
-pub(super) fn tiles_of_a_region(stacks: &GrainStacks) -> u8 {
+/// Edges of the regions of such stacks: short where there are few cells, so that threads find work.
+pub(super) fn region_edge(stacks: &GrainStacks) -> RegionEdge {
     let [columns, rows] = stacks.counts();
-    if u64::from(columns) * u64::from(rows) < 1 << 16 { 2 } else { 4 }
+    let few = u64::from(columns) * u64::from(rows) < 1 << 16;
+    if few { RegionEdge::Short } else { RegionEdge::Long }
 }
 
 /// A numbered drop of a batch.
@@ -41,6 +43,13 @@ pub(super) fn tiles_of_a_region(stacks: &GrainStacks) -> u8 {
 struct Entry {
     number: u32,
     start: Start,
+}
+
+impl Entry {
+    #[inline(always)]
+    fn quad(&self, region: &StackRegion<'_>, reach: f64) -> Quad {
+        region.quad(self.start.x.into(), self.start.z.into(), reach)
+    }
 }
 
 /// What became of some drops.
@@ -111,7 +120,7 @@ impl Sorted {
 impl Falling<'_> {
     /// Follows up to `most` drops; as many grains lie afterwards as in any other division.
     pub(super) fn batch(&mut self, most: u64) -> Result<(), GrainsError> {
-        let layout = self.stacks.layout(self.tiles, false);
+        let layout = self.stacks.layout(self.edge, false);
         let drops = most.min(self.batch_size(&layout));
         let first = self.drops;
         let drop = &self.drop;
@@ -161,7 +170,7 @@ impl Falling<'_> {
         let mut waiting = std::mem::take(&mut tally.waiting);
         waiting.sort_unstable_by_key(|entry| entry.number);
         if waiting.len() >= FEW_DROPS {
-            let layout = self.stacks.layout(self.tiles, true);
+            let layout = self.stacks.layout(self.edge, true);
             let reach = drop.reach(self.stacks);
             let sorted: Vec<Sorted> = waiting
                 .par_chunks(CHUNK)
@@ -194,12 +203,13 @@ fn in_regions(
             sorted.iter().for_each(|part| entries.extend_from_slice(part.of_region(index)));
             let mut tally = Tally::default();
             let mut roller = Roller::new(drop.ground, drop.least_cosine);
-            for (at, entry) in entries.iter().enumerate() {
-                ask_ahead(&region, &entries, at);
+            let mut ahead = Ahead::new(&region, &entries, reach);
+            for entry in &entries {
+                let quad = ahead.next(&region, &entries);
                 let (x, z) = (f64::from(entry.start.x), f64::from(entry.start.z));
-                if region.claim(x, z, reach) {
+                if region.claim(&quad) {
                     let lying = Lying { region: &mut region, others };
-                    follow(drop, lying, &mut roller, entry, &mut tally);
+                    follow(drop, lying, &mut roller, (entry, &quad), &mut tally);
                 } else if layout.home(x, z) == Some(index) {
                     tally.waiting.push(*entry);
                 }
@@ -211,14 +221,36 @@ fn in_regions(
     sum
 }
 
-/// Asks for the memory that the drops after the one at `at` will need.
-#[inline(always)]
-fn ask_ahead(region: &StackRegion<'_>, entries: &[Entry], at: usize) {
-    if let Some(Entry { start, .. }) = entries.get(at + CELLS_AHEAD) {
-        region.prefetch_cell(start.x.into(), start.z.into());
+/// Looks up the cells of drops some time before they fall, and asks for the memory they will need.
+struct Ahead {
+    quads: [Quad; CELLS_AHEAD],
+    at: usize,
+    reach: f64,
+}
+
+impl Ahead {
+    /// Before the first of `entries`, which are not none.
+    fn new(region: &StackRegion<'_>, entries: &[Entry], reach: f64) -> Self {
+        let quads = std::array::from_fn(|at| match entries.get(at) {
+            Some(entry) => entry.quad(region, reach),
+            None => region.quad(0.0, 0.0, reach),
+        });
+        quads.iter().for_each(|quad| region.prefetch_cells(quad));
+        Self { quads, at: 0, reach }
     }
-    if let Some(Entry { start, .. }) = entries.get(at + BLOCKS_AHEAD) {
-        region.prefetch_block(start.x.into(), start.z.into());
+
+    /// The cells of the next of `entries`.
+    #[inline(always)]
+    fn next(&mut self, region: &StackRegion<'_>, entries: &[Entry]) -> Quad {
+        let slot = self.at % CELLS_AHEAD;
+        let quad = self.quads[slot];
+        if let Some(entry) = entries.get(self.at + CELLS_AHEAD) {
+            self.quads[slot] = entry.quad(region, self.reach);
+            region.prefetch_cells(&self.quads[slot]);
+        }
+        region.prefetch_blocks(&self.quads[(self.at + BLOCKS_AHEAD) % CELLS_AHEAD]);
+        self.at += 1;
+        quad
     }
 }
 
@@ -230,15 +262,18 @@ fn one_by_one(
     entries: &[Entry],
     tally: &mut Tally,
 ) {
+    let reach = drop.reach(stacks);
     let mut roller = Roller::new(drop.ground, drop.least_cosine);
     let mut at = 0;
     while at < entries.len() {
         let mut region = stacks.whole();
         let mut outside = None;
+        let start = at;
+        let mut ahead = Ahead::new(&region, &entries[start..], reach);
         while at < entries.len() && outside.is_none() {
-            ask_ahead(&region, entries, at);
+            let quad = ahead.next(&region, &entries[start..]);
             let lying = Lying { region: &mut region, others };
-            outside = follow(drop, lying, &mut roller, &entries[at], tally);
+            outside = follow(drop, lying, &mut roller, (&entries[at], &quad), tally);
             at += 1;
         }
         if let Some(grain) = outside
@@ -263,10 +298,10 @@ fn follow(
     drop: &Drop<'_>,
     lying: Lying<'_, '_>,
     roller: &mut Roller<'_>,
-    entry: &Entry,
+    (entry, quad): (&Entry, &Quad),
     tally: &mut Tally,
 ) -> Option<QuantisedGrain> {
-    let fate = drop.fall(&lying, roller, entry.start);
+    let fate = drop.fall(&lying, roller, entry.start, quad);
     let fail = |error| Tally { error: Some((entry.number, error)), ..Tally::default() };
     let grain = match fate {
         Ok(Fate::Rests(grain)) => grain,

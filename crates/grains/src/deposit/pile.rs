@@ -5,7 +5,7 @@
 //! changes the stacks of its own class only.
 
 use crate::GrainsError;
-use snowgrain_accel::{Fall, FallHit, GrainSlot, GrainStacks, StackRegion};
+use snowgrain_accel::{Fall, FallHit, GrainSlot, GrainStacks, Quad, StackRegion};
 use snowgrain_geometry::QuantisedGrain;
 use snowgrain_math::DVec3;
 
@@ -81,9 +81,18 @@ pub(super) struct Lying<'p, 'r> {
 
 impl Lying<'_, '_> {
     /// The first grain that `fall` meets.
-    #[inline]
     pub(super) fn first_contact(&self, fall: &Fall<'_>) -> Option<FallHit> {
-        let mut first = self.region.first_contact(fall);
+        self.region_and_others(self.region.first_contact(fall), fall)
+    }
+
+    /// The same, with the cells of its line looked up.
+    #[inline]
+    pub(super) fn first_contact_at(&self, quad: &Quad, fall: &Fall<'_>) -> Option<FallHit> {
+        self.region_and_others(self.region.first_contact_at(quad, fall), fall)
+    }
+
+    #[inline(always)]
+    fn region_and_others(&self, mut first: Option<FallHit>, fall: &Fall<'_>) -> Option<FallHit> {
         for stacks in self.others {
             let down_to = first.map_or(fall.down_to, |hit| hit.height);
             first = stacks.first_contact(&Fall { down_to, ..*fall }).or(first);

@@ -4,7 +4,7 @@ use super::ground::Ground;
 use super::pile::Lying;
 use super::roll::Roller;
 use crate::{DepositRule, DepositSettings, GrainsError};
-use snowgrain_accel::{Fall, GrainStacks, PlanRectangle};
+use snowgrain_accel::{Fall, GrainStacks, PlanRectangle, Quad};
 use snowgrain_geometry::{GeometryError, Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, pcg3d};
 use snowgrain_math::{DVec3, trig};
@@ -95,22 +95,23 @@ impl<'a> Drop<'a> {
         Start { x, z, radius: self.radius(c) }
     }
 
-    /// Lets a drop fall on what lies.
+    /// Lets a drop fall on what lies; `quad` are the cells of its line.
     #[inline]
     pub(super) fn fall(
         &self,
         lying: &Lying<'_, '_>,
         roller: &mut Roller<'_>,
         start: Start,
+        quad: &Quad,
     ) -> Result<Fate, GrainsError> {
         let Start { x, z, radius } = start;
         let [x, z] = [x, z].map(f64::from);
         match self.rule {
-            DepositRule::Ray => self.ray(lying, [x, z], radius),
-            DepositRule::Stick => self.stick(lying, [x, z], radius),
+            DepositRule::Ray => self.ray(lying, quad, [x, z], radius),
+            DepositRule::Stick => self.stick(lying, quad, [x, z], radius),
             DepositRule::Roll => {
                 let rest = roller.settle(lying, [x, z], radius.into());
-                rest.fate(|center| self.rounded(center.round(), radius))
+                rest.fate(|center| self.rounded(center, radius))
             }
         }
     }
@@ -128,10 +129,11 @@ impl<'a> Drop<'a> {
     fn ray(
         &self,
         lying: &Lying<'_, '_>,
+        quad: &Quad,
         [x, z]: [f64; 2],
         radius: u16,
     ) -> Result<Fate, GrainsError> {
-        let hit = lying.first_contact(&Fall::from_above(x, z, 0.0));
+        let hit = lying.first_contact_at(quad, &Fall::from_above(x, z, 0.0));
         let down_to = hit.map_or(f64::NEG_INFINITY, |hit| hit.height);
         let (at, normal) = match (self.ground.ray_down(x, z, down_to), hit) {
             (Some(ground), _) => (lying.region.point(x, z, ground.height), ground.normal),
@@ -145,7 +147,7 @@ impl<'a> Drop<'a> {
             return Ok(Fate::TooSteep);
         }
         let center = at + normal * f64::from(radius);
-        Ok(Fate::Rests(self.rounded(center.round(), radius)?))
+        Ok(Fate::Rests(self.rounded(center, radius)?))
     }
 
     /// The first contact of the sphere itself. Where it falls along a vertical, that goes through a
@@ -154,11 +156,12 @@ impl<'a> Drop<'a> {
     fn stick(
         &self,
         lying: &Lying<'_, '_>,
+        quad: &Quad,
         [x, z]: [f64; 2],
         radius: u16,
     ) -> Result<Fate, GrainsError> {
         let falling = f64::from(radius);
-        let hit = lying.first_contact(&Fall::from_above(x, z, falling));
+        let hit = lying.first_contact_at(quad, &Fall::from_above(x, z, falling));
         let down_to = hit.map_or(f64::NEG_INFINITY, |hit| hit.height);
         let ground = self.ground.drop_sphere(x, z, falling, [f64::INFINITY, down_to]);
         let (height, normal) = match (ground, hit) {
@@ -174,10 +177,10 @@ impl<'a> Drop<'a> {
             return Ok(Fate::TooSteep);
         }
         let at = lying.region.point(x, z, height.ceil());
-        Ok(Fate::Rests(self.rounded(at.round(), radius)?))
+        Ok(Fate::Rests(self.rounded(at, radius)?))
     }
 
-    /// The grain at whole quanta, if the lattice reaches that far.
+    /// The grain at the nearest whole quanta, if the lattice reaches that far.
     fn rounded(&self, at: DVec3, radius: u16) -> Result<QuantisedGrain, GrainsError> {
         let reach = f64::from(Quantisation::MAX_COORDINATE);
         if !at.is_finite() || at.abs().max_element() > reach {
@@ -186,8 +189,16 @@ impl<'a> Drop<'a> {
             let reach = reach * quantum;
             return Err(GeometryError::OutOfLattice { x, y, z, reach }.into());
         }
-        Ok(QuantisedGrain { center: [at.x as i32, at.y as i32, at.z as i32], radius })
+        Ok(QuantisedGrain { center: at.to_array().map(nearest), radius })
     }
+}
+
+/// The nearest whole number, ties away from zero; `x` lies well within its range.
+#[inline(always)]
+fn nearest(x: f64) -> i32 {
+    let towards_zero = x as i32;
+    let rest = x - f64::from(towards_zero);
+    towards_zero + i32::from(rest >= 0.5) - i32::from(rest <= -0.5)
 }
 
 /// Centre of a grain, quanta.
