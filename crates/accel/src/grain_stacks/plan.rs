@@ -205,6 +205,7 @@ impl Plan {
     }
 
     /// Plan place of a grain.
+    #[inline(always)]
     pub(super) fn on_plan(&self, grain: QuantisedGrain) -> [i64; 2] {
         let [x, y, z] = grain.center;
         let offsets = self.drift.offsets(y);
@@ -212,11 +213,20 @@ impl Plan {
     }
 
     /// Column, row and place within that cell of a grain.
+    #[inline(always)]
     pub(super) fn locate(&self, grain: QuantisedGrain) -> ([i32; 2], [u16; 2]) {
         let on_plan = self.on_plan(grain);
-        let cell = [self.cell_coordinate(on_plan[0], 0), self.cell_coordinate(on_plan[1], 1)];
-        let corner = self.corner(cell[0] as i32, cell[1] as i32);
-        (cell.map(|c| c as i32), [(on_plan[0] - corner[0]) as u16, (on_plan[1] - corner[1]) as u16])
+        let (mut cell, mut local) = ([0i32; 2], [0u16; 2]);
+        for axis in 0..2 {
+            // A multiplication finds the cell but for rounding, which the remainder mends.
+            let from_anchor = on_plan[axis] - i64::from(self.anchor[axis]);
+            let near = (from_anchor as f64 * self.cells_per_quantum) as i64;
+            let rest = from_anchor - near * i64::from(self.side);
+            let mend = i64::from(rest >= self.side.into()) - i64::from(rest < 0);
+            cell[axis] = (near + mend) as i32;
+            local[axis] = (rest - mend * i64::from(self.side)) as u16;
+        }
+        (cell, local)
     }
 
     /// The grain of a lane, seen where the cell's corner is at `corner`.

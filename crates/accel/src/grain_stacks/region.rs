@@ -61,28 +61,39 @@ impl RegionLayout {
         Some(self.region_at(self.plan.place(column, row)?))
     }
 
-    /// The regions that own cells whose grains a sphere of radius `reach` less the largest stored
-    /// may meet, or where it may come to rest; to `touched`, each once.
+    /// Calls `touched` with each region that owns cells whose grains a sphere may meet, or where it
+    /// may come to rest; `reach` is its radius and the largest stored, `buffer` is overwritten.
     #[inline]
-    pub fn touched(&self, x: f64, z: f64, reach: f64, touched: &mut Vec<u32>) {
-        touched.clear();
-        let [columns, rows] = [self.plan.span(x, reach, 0), self.plan.span(z, reach, 1)];
-        let low = self.plan.place(columns.low, rows.low);
-        let high = self.plan.place(columns.high, rows.high);
-        if let (Some(low), Some(high)) = (low, high)
-            && low[0] <= high[0]
-            && low[1] <= high[1]
-            && self.region_at(low) == self.region_at(high)
-        {
-            touched.push(self.region_at(low) as u32);
+    pub fn each_touched(
+        &self,
+        [x, z, reach]: [f64; 3],
+        buffer: &mut Vec<u32>,
+        mut touched: impl FnMut(u32),
+    ) {
+        let spans = [self.plan.span(x, reach, 0), self.plan.span(z, reach, 1)];
+        let inside = [0, 1].map(|axis| {
+            let low = spans[axis].low - self.plan.first[axis];
+            let high = spans[axis].high - self.plan.first[axis];
+            let region = (low + self.shift) >> self.edge_bits;
+            let alone = low >= 0
+                && high < self.plan.counts[axis]
+                && region == (high + self.shift) >> self.edge_bits;
+            (alone, region)
+        });
+        let [(one_column, column), (one_row, row)] = inside;
+        if one_column && one_row {
+            touched((row * self.counts[0] + column) as u32);
             return;
         }
+        buffer.clear();
+        let [columns, rows] = spans;
         for row in rows.low..=rows.high {
             for column in columns.low..=columns.high {
                 let Some(place) = self.plan.place(column, row) else { continue };
                 let region = self.region_at(place) as u32;
-                if !touched.contains(&region) {
-                    touched.push(region);
+                if !buffer.contains(&region) {
+                    buffer.push(region);
+                    touched(region);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Cells that a query may look at: all of a store, or the part that one thread owns.
 
 use super::block::NO_BLOCK;
-use super::plan::{Plan, Span, TILE_BITS};
+use super::plan::{Plan, Span, TILE_BITS, TILE_EDGE};
 use super::tile::{Cell, Tile};
 use crate::prefetch::prefetch;
 use std::borrow::Borrow;
@@ -83,16 +83,23 @@ impl<'a, T: Borrow<Tile>> Window<'a, T> {
     pub(super) fn quad(&self, x: f64, z: f64, reach: f64) -> Quad {
         let spans = [self.plan.span(x, reach, 0), self.plan.span(z, reach, 1)];
         let [column, row] = spans.map(|span| span.nearest);
-        let inside = self.plan.place(column, row).zip(self.plan.place(column + 1, row + 1));
+        let [c, r] = [0, 1].map(|axis| spans[axis].nearest - self.plan.first[axis] - self.frame.first[axis]);
+        let [columns, rows] = self.frame.counts.map(|count| count - 1);
+        if (c as u32) < columns as u32 && (r as u32) < rows as u32 {
+            // All four lie in the window as they are.
+            let last = TILE_EDGE - 1;
+            let along_x = [c, c + 1].map(|c| (c >> TILE_BITS, c & last));
+            let along_z = [r, r + 1].map(|r| {
+                ((r >> TILE_BITS) * self.frame.tile_columns, (r & last) << TILE_BITS)
+            });
+            let cells = std::array::from_fn(|which| {
+                let (x, z) = (along_x[which & 1], along_z[which >> 1]);
+                ((x.0 + z.0) as u32, (x.1 | z.1) as u32)
+            });
+            return Quad { spans, cells };
+        }
         let cells = std::array::from_fn(|which| {
-            let (i, j) = (which as i32 & 1, which as i32 >> 1);
-            let place = match inside {
-                // Neither wraps: neither do the other two.
-                Some((low, high)) if high == [low[0] + 1, low[1] + 1] => {
-                    Some([low[0] + i, low[1] + j])
-                }
-                _ => self.plan.place(column + i, row + j),
-            };
+            let place = self.plan.place(column + (which as i32 & 1), row + (which as i32 >> 1));
             let tile = place.and_then(|place| self.frame.tile_index(place));
             let cell = place.map_or(0, Tile::cell_index);
             (tile.map_or(NOWHERE, |tile| tile as u32), cell as u32)
@@ -122,7 +129,8 @@ impl<'a, T: Borrow<Tile>> Window<'a, T> {
     /// Asks for the heads of the stacks of a quad, ahead of their use.
     #[inline(always)]
     pub(super) fn prefetch_cells(&self, quad: &Quad) {
-        for (tile, cell) in quad.cells {
+        // Cells along x mostly share a line.
+        for (tile, cell) in [quad.cells[0], quad.cells[2]] {
             if let Some(tile) = self.tiles.get(tile as usize) {
                 prefetch(&tile.borrow().cells[cell as usize]);
             }

@@ -88,14 +88,14 @@ impl Sorted {
     /// In the order of `entries` within each region.
     fn new(layout: &RegionLayout, reach: f64, entries: impl Iterator<Item = Entry>) -> Self {
         let mut ends = vec![0u32; layout.len()];
-        let mut touching: Vec<(u32, Entry)> = Vec::with_capacity(CHUNK + CHUNK / 8);
-        let mut touched = Vec::new();
+        let mut touching: Vec<(u32, Entry)> = Vec::with_capacity(CHUNK + CHUNK / 4);
+        let mut buffer = Vec::new();
         for entry in entries {
-            layout.touched(entry.start.x.into(), entry.start.z.into(), reach, &mut touched);
-            for &region in &touched {
+            let line = [entry.start.x.into(), entry.start.z.into(), reach];
+            layout.each_touched(line, &mut buffer, |region| {
                 ends[region as usize] += 1;
                 touching.push((region, entry));
-            }
+            });
         }
         let mut next = 0;
         for end in &mut ends {
