@@ -67,6 +67,8 @@ pub struct Snowfall<'a> {
     placed: Vec<QuantisedGrain>,
     snowfalls: u64,
     simd_level: SimdLevel,
+    /// Follows drops one after another on all of the plan: the meaning of all other ways.
+    sequential: bool,
 }
 
 impl<'a> Snowfall<'a> {
@@ -98,6 +100,7 @@ impl<'a> Snowfall<'a> {
             placed: Vec::new(),
             snowfalls: 0,
             simd_level: SimdLevel::detect(),
+            sequential: false,
         }
     }
 
@@ -179,6 +182,7 @@ impl<'a> Snowfall<'a> {
         let mut falling = Falling {
             drop: Drop::new(settings, &self.quantisation, &self.ground, area, self.snowfalls),
             edge: batch::region_edge(stacks),
+            sequential: self.sequential,
             stacks,
             others,
             report: DepositReport::default(),
@@ -209,6 +213,7 @@ struct Falling<'f> {
     others: Vec<&'f GrainStacks>,
     /// Edge of the regions that threads own.
     edge: RegionEdge,
+    sequential: bool,
     report: DepositReport,
     drops: u64,
     drops_since_success: u64,
@@ -231,4 +236,8 @@ impl Falling<'_> {
 }
 
 #[cfg(test)]
+mod order_tests;
+#[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wind_tests;

@@ -189,14 +189,11 @@ fn search_quad<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
     }
     let base = cells[0].top;
     let mut heights = [[0.0f32; LANES]; 4];
-    let mut highest = f32x16::splat(simd, f32::NEG_INFINITY);
+    let mut most = [f32::NEG_INFINITY; LANES];
     for (cell, heights) in cells.iter().zip(&mut heights) {
         let block = cell.tile.block(cell.newest);
-        contact_heights::<LEANING>(block, plan, fall, cell.corner, base, heights);
-        highest = highest.max(f32x16::from_slice(simd, heights));
+        contact_heights::<LEANING>(block, plan, fall, (cell.corner, base), heights, &mut most);
     }
-    let mut most = [0.0f32; LANES];
-    highest.store_slice(&mut most);
     let mut width = LANES / 2;
     while width > 0 {
         for lane in 0..width {
@@ -204,21 +201,19 @@ fn search_quad<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
         }
         width /= 2;
     }
-    let best = most[0];
-    if best > f32::NEG_INFINITY {
-        // All but the highest, to within the margins, lose.
-        let least = f32x16::splat(simd, best - 2.0 * margin::<LEANING>() as f32);
-        let mut lanes = 0u64;
-        for (which, heights) in heights.iter().enumerate() {
-            let wanted = f32x16::from_slice(simd, heights).simd_ge(least).to_bitmask() as u16;
-            lanes |= u64::from(wanted) << (16 * which);
-        }
-        while lanes != 0 {
-            let at = lanes.trailing_zeros();
-            lanes &= lanes - 1;
-            let cell = &cells[at as usize / LANES];
-            found.try_lane::<LEANING>(plan, fall, cell, [cell.newest, at % LANES as u32]);
-        }
+    // All but the highest of those that are surely met, to within the margins, lose.
+    let best = if most[0] > f32::MIN { most[0] } else { f32::MIN };
+    let least = f32x16::splat(simd, best - 2.0 * margin::<LEANING>() as f32);
+    let mut lanes = 0u64;
+    for (which, heights) in heights.iter().enumerate() {
+        let wanted = f32x16::from_slice(simd, heights).simd_ge(least).to_bitmask() as u16;
+        lanes |= u64::from(wanted) << (16 * which);
+    }
+    while lanes != 0 {
+        let at = lanes.trailing_zeros();
+        lanes &= lanes - 1;
+        let cell = &cells[at as usize / LANES];
+        found.try_lane::<LEANING>(plan, fall, cell, [cell.newest, at % LANES as u32]);
     }
     for cell in &cells {
         let block = cell.tile.block(cell.newest);
@@ -319,15 +314,16 @@ fn margin<const LEANING: bool>() -> f64 {
 }
 
 /// Heights over `base` of the contacts with the grains of a block, to within the margin; `-inf`
-/// where the grain is clearly not met, or there is none.
+/// where the grain is clearly not met, or there is none. `most` keeps, lane by lane, the highest of
+/// those that are met beyond doubt.
 #[inline(always)]
 fn contact_heights<const LEANING: bool>(
     block: &Block,
     plan: &Plan,
     fall: &Fall<'_>,
-    corner: [i64; 2],
-    base: i32,
+    (corner, base): ([i64; 2], i32),
     heights: &mut [f32; LANES],
+    most: &mut [f32; LANES],
 ) {
     let x = (fall.x - corner[0] as f64) as f32;
     let z = (fall.z - corner[1] as f64) as f32;
@@ -336,7 +332,7 @@ fn contact_heights<const LEANING: bool>(
         (plan.drift.x as f32, plan.drift.z as f32, plan.drift.rise as f32);
     let square_margin = if LEANING { LEANING_SQUARE_MARGIN } else { SQUARE_MARGIN };
     let count = block.count() as i32;
-    for (lane, height) in heights.iter_mut().enumerate() {
+    for lane in 0..LANES {
         let dx = x - f32::from(block.x[lane]);
         let dz = z - f32::from(block.z[lane]);
         let reach = f32::from(block.radius[lane]) + radius;
@@ -349,8 +345,10 @@ fn contact_heights<const LEANING: bool>(
         let up = if square > 0.0 { square } else { 0.0 }.sqrt();
         let up = if LEANING { rise * (up - along) } else { up };
         let at = (block.y[lane].wrapping_sub(base)) as f32 + up;
-        let met = (square > -square_margin) & ((lane as i32) < count);
-        *height = if met { at } else { f32::NEG_INFINITY };
+        let held = (lane as i32) < count;
+        heights[lane] = if (square > -square_margin) & held { at } else { f32::NEG_INFINITY };
+        let sure = if (square > square_margin) & held { at } else { f32::NEG_INFINITY };
+        most[lane] = if sure > most[lane] { sure } else { most[lane] };
     }
 }
 
@@ -367,7 +365,8 @@ fn candidates<S: Simd, const LEANING: bool>(
 ) -> u32 {
     let base = block.y[0];
     let mut heights = [0.0f32; LANES];
-    contact_heights::<LEANING>(block, plan, fall, corner, base, &mut heights);
+    let mut unused = [0.0f32; LANES];
+    contact_heights::<LEANING>(block, plan, fall, (corner, base), &mut heights, &mut unused);
     let above = (best - f64::from(base) - margin::<LEANING>()) as f32;
     let below = (fall.from - f64::from(base) + margin::<LEANING>()) as f32;
     let heights = f32x16::from_slice(simd, &heights);

@@ -125,7 +125,7 @@ impl Falling<'_> {
         let first = self.drops;
         let drop = &self.drop;
         let entry = |number: u64| Entry { number: number as u32, start: drop.start(first + number) };
-        let mut tally = if layout.len() < 2 || (drops as usize) < FEW_DROPS || !drop.is_local() {
+        let mut tally = if self.sequential || layout.len() < 2 || (drops as usize) < FEW_DROPS || !drop.is_local() {
             let mut tally = Tally::default();
             let entries: Vec<Entry> = (0..drops).map(entry).collect();
             one_by_one(drop, self.stacks, &self.others, &entries, &mut tally);
