@@ -173,6 +173,18 @@ impl<'a> Snowfall<'a> {
     /// range that it does); an area where nothing comes to rest; what cannot be stored. Grains
     /// that lay before, and those of this snowfall that came to rest before the error, stay.
     pub fn deposit(&mut self, settings: &DepositSettings) -> Result<DepositReport, GrainsError> {
+        self.deposit_telling(settings, &mut |_| ())
+    }
+
+    /// As [`Self::deposit`]; `fallen` is told several times a second how many grains lie.
+    ///
+    /// # Errors
+    /// As [`Self::deposit`].
+    pub fn deposit_telling(
+        &mut self,
+        settings: &DepositSettings,
+        fallen: &mut dyn FnMut(u64),
+    ) -> Result<DepositReport, GrainsError> {
         settings.check(self.quantisation.largest_radius())?;
         self.ground.turn(settings.drift());
         let area = self.area(settings)?;
@@ -188,6 +200,7 @@ impl<'a> Snowfall<'a> {
             report: DepositReport::default(),
             drops: 0,
             drops_since_success: 0,
+            fallen,
         };
         self.snowfalls += 1;
         match settings.amount {
@@ -217,6 +230,8 @@ struct Falling<'f> {
     report: DepositReport,
     drops: u64,
     drops_since_success: u64,
+    /// Told how many grains lie.
+    fallen: &'f mut dyn FnMut(u64),
 }
 
 impl Falling<'_> {
@@ -225,6 +240,7 @@ impl Falling<'_> {
         self.drops_since_success = 0;
         while self.report.accepted < grains {
             self.batch(grains - self.report.accepted)?;
+            (self.fallen)(self.report.accepted);
             if self.drops_since_success >= HOPELESS_DROPS {
                 let DepositReport { accepted, discarded, missed, .. } = self.report;
                 let drops = self.drops_since_success;

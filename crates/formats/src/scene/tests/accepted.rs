@@ -66,6 +66,8 @@ fn every_deposit_key_arrives_in_metres() {
     assert_eq!(deposit(&read(&text, &[]).unwrap()), &expected);
     let stick = read(LEAST, &["snow.rule=stick"]).unwrap();
     assert_eq!(deposit(&stick).max_slope_degrees, 90.0);
+    let wind = read(LEAST, &["snow.direction=[0.5, -1, 0]"]).unwrap();
+    assert_eq!(deposit(&wind).direction, [0.5, -1.0, 0.0]);
     let alias = read(LEAST, &["snow.rule=chrisman"]).unwrap();
     assert_eq!(deposit(&alias).rule, DepositRule::Ray);
     assert_eq!(deposit(&read(LEAST, &["snow.variation=0.5mm"]).unwrap()).radii.variation, 0.0005);
