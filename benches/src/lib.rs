@@ -60,6 +60,7 @@ pub fn pile(rule: DepositRule, grains: u64, layers: f64) -> (GrainField, [f64; 2
         density: None,
         rule,
         max_slope_degrees: 90.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: 0,
     };
@@ -75,7 +76,7 @@ pub fn pile(rule: DepositRule, grains: u64, layers: f64) -> (GrainField, [f64; 2
 #[must_use]
 pub fn world(field: &GrainField, eta: f64) -> World {
     let surfaces = Surfaces::default();
-    let grid = GrainGrid::build(field.quantisation, &field.grains, &surfaces)
+    let grid = GrainGrid::build(field.quantisation, &field.grains(), &surfaces)
         .expect("equal grains can be packed");
     World { grid, surfaces, albedos: Vec::new(), eta }
 }

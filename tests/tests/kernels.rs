@@ -110,11 +110,11 @@ impl Case {
         let quantisation = Quantisation::for_grains(DVec3::ZERO, largest);
         let grains =
             grains.iter().map(|g| quantisation.round(g.center, g.radius).unwrap()).collect();
-        Self::of_field(GrainField { quantisation, grains }, starts)
+        Self::of_field(GrainField::new(quantisation, grains), starts)
     }
 
     fn of_field(field: GrainField, starts: Starts) -> Self {
-        let GrainField { quantisation, grains } = field;
+        let (quantisation, grains) = (field.quantisation, field.into_grains());
         Self { grains, quantisation, objects: Vec::new(), starts, packing: Packing::Cells }
     }
 
@@ -330,6 +330,7 @@ fn fall(amount: Amount, rule: DepositRule) -> DepositSettings {
         density: None,
         rule,
         max_slope_degrees: 80.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: 4,
     }
@@ -364,7 +365,7 @@ fn every_lattice_without_memory_agrees_with_the_oracle() {
             let cell = LatticeCell::new(&settings, &quantisation).unwrap();
             let grains = cell.grains().collect();
             let starts = Starts::Around { center: DVec3::splat(2.5), outer: 12.0, inner: 3.0 };
-            let mut case = Case::of_field(GrainField { quantisation, grains }, starts);
+            let mut case = Case::of_field(GrainField::new(quantisation, grains), starts);
             case.packing = Packing::Lattice(cell);
             case.agrees_with_oracle(6_000);
         }
@@ -390,7 +391,7 @@ fn lattices_of_grains_apart_agree_with_the_oracle_or_are_refused() {
     ] {
         let cell = cell(kind, spacing);
         let grains = cell.grains().collect();
-        let field = GrainField { quantisation, grains };
+        let field = GrainField::new(quantisation, grains);
         let mut case = Case::of_field(field, Starts::AtGrains { distance: 20.0 });
         case.packing = Packing::Lattice(cell);
         case.agrees_with_oracle(6_000);

@@ -76,11 +76,11 @@ pub(crate) struct SceneArguments {
 /// What of the machine may be used.
 #[derive(Debug, Args)]
 pub(crate) struct MachineArguments {
-    /// Threads; the picture does not depend on them [default: all processors]
+    /// Threads; the result does not depend on them [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
 
-    /// Instruction set: sse2, sse4.2, avx2, avx512 or neon; the picture does not depend on it
+    /// Instruction set: sse2, sse4.2, avx2, avx512 or neon; the result does not depend on it
     /// [default: the best]
     #[arg(long, value_name = "LEVEL")]
     pub(crate) simd: Option<SimdLevel>,

@@ -3,6 +3,7 @@
 //! No colours are used, so that `NO_COLOR` is honoured as it is.
 
 use crate::output::tell;
+use crate::summary::grouped;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use snowgrain_render::BuildStage;
 use snowgrain_render::description::SnowDescription;
@@ -47,6 +48,13 @@ impl Progress {
         let name = match stage {
             BuildStage::Surfaces => "surfaces".to_owned(),
             BuildStage::Packing => "packing".to_owned(),
+            BuildStage::Fallen { index, grains } => {
+                if let Shown::Bar(bar) = &self.shown {
+                    let of = format!("({} of {})", index + 1, snow.len());
+                    bar.set_message(format!("snow falls {of}: {} grains", grouped(grains)));
+                }
+                return;
+            }
             BuildStage::Snow { index } => {
                 let does = match snow.get(index) {
                     Some(SnowDescription::Deposit(_)) => "falls",

@@ -19,7 +19,7 @@ impl BuildTimes {
     /// Books the time of a stage that is over.
     pub(crate) fn book(&mut self, stage: BuildStage, spent: Spent) {
         match stage {
-            BuildStage::Snow { .. } => self.deposit += spent,
+            BuildStage::Snow { .. } | BuildStage::Fallen { .. } => self.deposit += spent,
             BuildStage::Surfaces | BuildStage::Packing => self.build += spent,
         }
     }

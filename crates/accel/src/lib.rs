@@ -13,6 +13,9 @@ pub mod surfaces;
 
 pub use flight::{Flight, FlightEvent};
 pub use grain_grid::{GrainGrid, GridError, GridPosition, LatticeCell};
-pub use grain_stacks::{Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle};
+pub use grain_stacks::{
+    Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,
+    RegionLayout, StackRegion,
+};
 pub use simd::SimdLevel;
 pub use surfaces::{SphereContact, SurfaceHit, SurfaceId, SurfaceShape, Surfaces};

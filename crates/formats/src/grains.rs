@@ -21,7 +21,7 @@ use std::path::Path;
 /// [`FormatsError::BadOutput`] where a grain would not come back as it is (a radius of 0, or an
 /// origin so far away that doubles cannot tell its quanta apart); what [`atomic::write`] refuses.
 pub fn write_grains(path: &Path, field: &GrainField) -> Result<(), FormatsError> {
-    if let Some(index) = field.grains.iter().position(|&grain| !survives(field, grain)) {
+    if let Some(index) = field.quantised().position(|grain| !survives(field, grain)) {
         return Err(FormatsError::BadOutput {
             path: path.to_path_buf(),
             what: format!("grain {index} (from 0) cannot be stored exactly"),
@@ -105,7 +105,7 @@ fn read(mut reader: impl BufRead + Seek, length: u64) -> Result<GrainField, Faul
         grains.push(rounded(&quantisation, place, center, radius)?);
         Ok(())
     })?;
-    Ok(GrainField { quantisation, grains })
+    Ok(GrainField::new(quantisation, grains))
 }
 
 fn rounded(
@@ -241,9 +241,9 @@ mod tests {
             .prop_map(|(center, radius)| QuantisedGrain { center, radius });
         let origin = prop::array::uniform3(-10.0..10.0f64);
         (prop::collection::vec(grain, 0..40), origin, 1e-5..1e-1f64).prop_map(
-            |(grains, origin, radius)| GrainField {
-                quantisation: Quantisation::for_grains(DVec3::from_array(origin), radius),
-                grains,
+            |(grains, origin, radius)| {
+                let origin = DVec3::from_array(origin);
+                GrainField::new(Quantisation::for_grains(origin, radius), grains)
             },
         )
     }
@@ -259,7 +259,7 @@ mod tests {
     proptest! {
         #[test]
         fn grains_come_back_as_they_were(field in any_field()) {
-            prop_assert!(field.grains.iter().all(|&grain| survives(&field, grain)));
+            prop_assert!(field.quantised().all(|grain| survives(&field, grain)));
             prop_assert_eq!(read_bytes(&written(&field)).unwrap(), field);
         }
 

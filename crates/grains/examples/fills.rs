@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         density: None,
         rule,
         max_slope_degrees: 90.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: 0,
     })?;

@@ -19,22 +19,27 @@
 //!
 //! A fall is a function of (seed, number of the snowfall, number of the drop) and of what lies.
 
+mod area;
+mod batch;
 mod depth;
 mod fill;
 mod ground;
+mod pile;
 mod roll;
 mod rules;
 
 use crate::lattice::lattice_grains;
 use crate::{Amount, DepositSettings, GrainField, GrainsError, LatticeSettings};
 use ground::Ground;
-use rules::{Drop, Fate};
+use pile::Pile;
+use rules::Drop;
 
 pub use fill::reached_solid_fraction;
-use snowgrain_accel::{GrainStacks, GrainStacksError, PlanRectangle, SimdLevel, Surfaces};
+use snowgrain_accel::{GrainStacks, RegionEdge, SimdLevel, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 
-/// Drops in a row without a grain that lies, after which a snowfall gives up.
+/// Drops in a row without a grain that lies, after which a snowfall gives up (it looks after each
+/// batch).
 const HOPELESS_DROPS: u64 = 200_000;
 
 /// What became of the grains of one snowfall.
@@ -57,11 +62,13 @@ pub struct Snowfall<'a> {
     quantisation: Quantisation,
     ground: Ground<'a>,
     /// Grains that can be fallen on; made by the first deposit.
-    stacks: Option<GrainStacks>,
+    pile: Pile,
     /// Grains placed since the last deposit.
     placed: Vec<QuantisedGrain>,
     snowfalls: u64,
     simd_level: SimdLevel,
+    /// Follows drops one after another on all of the plan: the meaning of all other ways.
+    sequential: bool,
 }
 
 impl<'a> Snowfall<'a> {
@@ -69,7 +76,7 @@ impl<'a> Snowfall<'a> {
     /// grain of all the snow to come.
     #[must_use]
     pub fn on_surfaces(quantisation: Quantisation, surfaces: &'a Surfaces) -> Self {
-        Self::on(quantisation, Ground::Surfaces { surfaces, quantisation })
+        Self::on(quantisation, Ground::surfaces(surfaces, quantisation))
     }
 
     /// Nothing has fallen yet on a level floor at the height of the quantisation's origin, that
@@ -89,10 +96,11 @@ impl<'a> Snowfall<'a> {
         Self {
             quantisation,
             ground,
-            stacks: None,
+            pile: Pile::default(),
             placed: Vec::new(),
             snowfalls: 0,
             simd_level: SimdLevel::detect(),
+            sequential: false,
         }
     }
 
@@ -113,7 +121,7 @@ impl<'a> Snowfall<'a> {
     /// Number of grains.
     #[must_use]
     pub fn len(&self) -> u64 {
-        self.placed.len() as u64 + self.stacks.as_ref().map_or(0, GrainStacks::len)
+        self.placed.len() as u64 + self.pile.all().map(GrainStacks::len).sum::<u64>()
     }
 
     /// Whether nothing lies yet.
@@ -126,7 +134,7 @@ impl<'a> Snowfall<'a> {
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.placed.capacity() * size_of::<QuantisedGrain>()
-            + self.stacks.as_ref().map_or(0, GrainStacks::bytes)
+            + self.pile.all().map(GrainStacks::bytes).sum::<usize>()
     }
 
     /// Puts the grains of `field` where they are.
@@ -135,7 +143,8 @@ impl<'a> Snowfall<'a> {
     /// A position or radius that this snow's quantisation cannot hold.
     pub fn place(&mut self, field: &GrainField) -> Result<(), GrainsError> {
         if field.quantisation == self.quantisation {
-            self.placed.extend_from_slice(&field.grains);
+            self.placed.reserve(field.len());
+            self.placed.extend(field.quantised());
             return Ok(());
         }
         self.placed.reserve(field.len());
@@ -164,16 +173,34 @@ impl<'a> Snowfall<'a> {
     /// range that it does); an area where nothing comes to rest; what cannot be stored. Grains
     /// that lay before, and those of this snowfall that came to rest before the error, stay.
     pub fn deposit(&mut self, settings: &DepositSettings) -> Result<DepositReport, GrainsError> {
+        self.deposit_telling(settings, &mut |_| ())
+    }
+
+    /// As [`Self::deposit`]; `fallen` is told several times a second how many grains lie.
+    ///
+    /// # Errors
+    /// As [`Self::deposit`].
+    pub fn deposit_telling(
+        &mut self,
+        settings: &DepositSettings,
+        fallen: &mut dyn FnMut(u64),
+    ) -> Result<DepositReport, GrainsError> {
         settings.check(self.quantisation.largest_radius())?;
+        self.ground.turn(settings.drift());
         let area = self.area(settings)?;
         fill::check_density(settings, self.quantisation.quantum(), area)?;
-        self.prepare_stacks(settings, area)?;
-        let Some(stacks) = &mut self.stacks else { return Ok(DepositReport::default()) };
+        let class = self.prepare_stacks(settings, area)?;
+        let (stacks, others) = self.pile.split(class);
         let mut falling = Falling {
             drop: Drop::new(settings, &self.quantisation, &self.ground, area, self.snowfalls),
+            edge: batch::region_edge(stacks),
+            sequential: self.sequential,
             stacks,
+            others,
             report: DepositReport::default(),
             drops: 0,
+            drops_since_success: 0,
+            fallen,
         };
         self.snowfalls += 1;
         match settings.amount {
@@ -186,159 +213,47 @@ impl<'a> Snowfall<'a> {
     /// The grains, in an order that depends on the input only.
     #[must_use]
     pub fn into_field(self) -> GrainField {
-        let mut grains = Vec::with_capacity(self.len() as usize);
-        if let Some(stacks) = &self.stacks {
-            grains.extend(stacks.iter());
-        }
-        grains.extend_from_slice(&self.placed);
-        GrainField { quantisation: self.quantisation, grains }
-    }
-
-    /// The plan rectangle that grains fall on.
-    fn area(&self, settings: &DepositSettings) -> Result<PlanRectangle, GrainsError> {
-        if let Some([px, pz]) = self.ground.period() {
-            return Ok(PlanRectangle { min: [0, 0], max: [px, pz] });
-        }
-        let rectangle = match settings.area {
-            Some(area) => area,
-            None => self.default_area(settings)?,
-        };
-        let (origin, quantum) = (self.quantisation.origin(), self.quantisation.quantum());
-        let reach = f64::from(Quantisation::MAX_COORDINATE);
-        let mut quanta = [0i32; 4];
-        for (index, value) in rectangle.into_iter().enumerate() {
-            let at = (value - if index % 2 == 0 { origin.x } else { origin.z }) / quantum;
-            if !at.is_finite() || at.abs() > reach {
-                let limit = reach * quantum;
-                return Err(GrainsError::setting(
-                    "area",
-                    format!(
-                        "{value} m is out of reach: grains of this size can lie up to {limit} m \
-                         from ({}, {}); use larger grains or move the scene",
-                        origin.x, origin.z
-                    ),
-                ));
-            }
-            quanta[index] = at.round() as i32;
-        }
-        let [x0, z0, x1, z1] = quanta;
-        if x0 >= x1 || z0 >= z1 {
-            return Err(GrainsError::setting(
-                "area",
-                "is narrower than a grain can tell; widen it",
-            ));
-        }
-        Ok(PlanRectangle { min: [x0, z0], max: [x1, z1] })
-    }
-
-    fn default_area(&self, settings: &DepositSettings) -> Result<[f64; 4], GrainsError> {
-        let mut bounds = self.ground.bounds();
-        if bounds.is_empty() {
-            let lying =
-                self.stacks.iter().flat_map(GrainStacks::iter).chain(self.placed.iter().copied());
-            bounds = crate::field::bounds_of(lying, &self.quantisation);
-        }
-        if bounds.is_empty() {
-            return Err(GrainsError::setting(
-                "area",
-                "is needed: there is no finite object whose box could be the default",
-            ));
-        }
-        let bounds = bounds.expanded(2.0 * settings.radii.largest());
-        Ok([bounds.min.x, bounds.min.z, bounds.max.x, bounds.max.z])
-    }
-
-    /// Puts everything placed so far on the stacks, and lets them cover `area` and grains that
-    /// come to rest a little outside it.
-    fn prepare_stacks(
-        &mut self,
-        settings: &DepositSettings,
-        area: PlanRectangle,
-    ) -> Result<(), GrainsError> {
-        let largest = self.placed.iter().map(|grain| grain.radius).max().unwrap_or(0);
-        let drawn = (settings.radii.largest() / self.quantisation.quantum()).round() as u16;
-        let radius = i32::from(largest.max(drawn));
-        let margin = 16 * radius;
-        let mut plan = PlanRectangle {
-            min: area.min.map(|low| low.saturating_sub(margin)),
-            max: area.max.map(|high| high.saturating_add(margin)),
-        };
-        for grain in &self.placed {
-            for (axis, coordinate) in [grain.center[0], grain.center[2]].into_iter().enumerate() {
-                plan.min[axis] = plan.min[axis].min(coordinate);
-                plan.max[axis] = plan.max[axis].max(coordinate);
-            }
-        }
-        if self.stacks.is_none() {
-            let side = fill::cell_side(settings, self.quantisation.quantum(), area, radius);
-            self.stacks = Some(self.ground.new_stacks(plan, side)?);
-        }
-        let Some(stacks) = &mut self.stacks else { return Ok(()) };
-        stacks.set_level(self.simd_level);
-        stacks.cover(plan)?;
-        for grain in std::mem::take(&mut self.placed) {
-            stacks.push(grain)?;
-        }
-        Ok(())
+        GrainField::of_stacks(self.quantisation, self.pile.into_stacks(), self.placed)
     }
 }
 
 /// One snowfall in progress.
 struct Falling<'f> {
     drop: Drop<'f>,
+    /// Stacks that grow.
     stacks: &'f mut GrainStacks,
+    /// Those of grains of other sizes, which only lie there.
+    others: Vec<&'f GrainStacks>,
+    /// Edge of the regions that threads own.
+    edge: RegionEdge,
+    sequential: bool,
     report: DepositReport,
     drops: u64,
+    drops_since_success: u64,
+    /// Told how many grains lie.
+    fallen: &'f mut dyn FnMut(u64),
 }
 
 impl Falling<'_> {
     /// Drops grains until `grains` of this snowfall lie.
     fn until(&mut self, grains: u64) -> Result<(), GrainsError> {
-        let mut last_success = self.drops;
+        self.drops_since_success = 0;
         while self.report.accepted < grains {
-            let fate = self.drop.fall(self.stacks, self.drops)?;
-            self.drops += 1;
-            match fate {
-                Fate::Rests(grain) => {
-                    self.store(grain)?;
-                    self.report.accepted += 1;
-                    last_success = self.drops;
-                }
-                Fate::Unsettled(grain) => {
-                    self.store(grain)?;
-                    self.report.accepted += 1;
-                    self.report.unsettled += 1;
-                    last_success = self.drops;
-                }
-                Fate::TooSteep => self.report.discarded += 1,
-                Fate::Missed => self.report.missed += 1,
-            }
-            if self.drops - last_success >= HOPELESS_DROPS {
+            self.batch(grains - self.report.accepted)?;
+            (self.fallen)(self.report.accepted);
+            if self.drops_since_success >= HOPELESS_DROPS {
                 let DepositReport { accepted, discarded, missed, .. } = self.report;
-                let drops = HOPELESS_DROPS;
+                let drops = self.drops_since_success;
                 return Err(GrainsError::NothingComesToRest { drops, accepted, discarded, missed });
             }
         }
         Ok(())
     }
-
-    /// Stores a grain; where it rolled out of the plan, the plan grows by as much again, which
-    /// changes no answer.
-    fn store(&mut self, grain: QuantisedGrain) -> Result<(), GrainsError> {
-        let mut reach = 32 * i32::from(grain.radius.max(1));
-        loop {
-            match self.stacks.push(grain) {
-                Err(GrainStacksError::OutsideArea) => {
-                    let around = |c: i32| (c.saturating_sub(reach), c.saturating_add(reach));
-                    let (x, z) = (around(grain.center[0]), around(grain.center[2]));
-                    self.stacks.cover(PlanRectangle { min: [x.0, z.0], max: [x.1, z.1] })?;
-                    reach = reach.saturating_mul(2);
-                }
-                stored => return Ok(stored.map(|_| ())?),
-            }
-        }
-    }
 }
 
 #[cfg(test)]
+mod order_tests;
+#[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wind_tests;

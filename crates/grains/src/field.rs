@@ -1,45 +1,144 @@
 //! A pack of grains.
 
+use snowgrain_accel::GrainStacks;
 use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
 use snowgrain_math::Aabb;
+use std::borrow::Cow;
+
+/// Grains of a part that is cut from a list.
+const GRAINS_PER_PART: usize = 1 << 16;
 
 /// Grains on one quantisation lattice, in a deterministic order.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// They are held as they were made: those that fell stay in the stacks on which they fell, without
+/// a copy. [`Self::part`] walks them in parts that lie together in space, on as many threads as one
+/// likes; the parts one after another give the order of [`Self::quantised`].
+#[derive(Clone, Debug)]
 pub struct GrainField {
     /// The lattice that all positions are multiples of.
     pub quantisation: Quantisation,
-    /// The grains.
-    pub grains: Vec<QuantisedGrain>,
+    stacks: Vec<GrainStacks>,
+    listed: Vec<QuantisedGrain>,
+    len: usize,
 }
 
 impl GrainField {
+    /// The grains of a list, in its order.
+    #[must_use]
+    pub fn new(quantisation: Quantisation, grains: Vec<QuantisedGrain>) -> Self {
+        Self::of_stacks(quantisation, Vec::new(), grains)
+    }
+
+    /// Grains that lie on stacks, and then those of a list.
+    #[must_use]
+    pub fn of_stacks(
+        quantisation: Quantisation,
+        stacks: Vec<GrainStacks>,
+        listed: Vec<QuantisedGrain>,
+    ) -> Self {
+        let fallen: u64 = stacks.iter().map(GrainStacks::len).sum();
+        let len = fallen as usize + listed.len();
+        Self { quantisation, stacks, listed, len }
+    }
+
     /// Number of grains.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.grains.len()
+        self.len
     }
 
     /// Whether there are no grains.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.grains.is_empty()
+        self.len == 0
+    }
+
+    /// Memory held, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.stacks.iter().map(GrainStacks::bytes).sum::<usize>()
+            + self.listed.capacity() * size_of::<QuantisedGrain>()
+    }
+
+    /// Number of parts.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        let fallen: usize = self.stacks.iter().map(GrainStacks::parts).sum();
+        fallen + self.listed.len().div_ceil(GRAINS_PER_PART)
+    }
+
+    /// The grains of a part: some rows of the plan of what fell, seen along the direction of fall,
+    /// or a run of what was listed.
+    pub fn part(&self, part: usize) -> impl Iterator<Item = QuantisedGrain> + '_ {
+        let mut index = part;
+        let mut fallen = None;
+        for stacks in &self.stacks {
+            let parts = stacks.parts();
+            if index < parts {
+                fallen = Some(stacks.part(index));
+                break;
+            }
+            index -= parts;
+        }
+        let listed: &[QuantisedGrain] = if fallen.is_some() {
+            &[]
+        } else {
+            self.listed.chunks(GRAINS_PER_PART).nth(index).unwrap_or_default()
+        };
+        fallen.into_iter().flatten().chain(listed.iter().copied())
+    }
+
+    /// Calls `visit` with every grain of a part, in order.
+    pub fn for_each_in_part(&self, part: usize, visit: &mut impl FnMut(QuantisedGrain)) {
+        self.part(part).for_each(visit);
+    }
+
+    /// All grains, part by part.
+    pub fn quantised(&self) -> impl Iterator<Item = QuantisedGrain> + '_ {
+        (0..self.parts()).flat_map(|part| self.part(part))
+    }
+
+    /// All grains as a slice: a copy of them, where they fell.
+    #[must_use]
+    pub fn grains(&self) -> Cow<'_, [QuantisedGrain]> {
+        if self.stacks.is_empty() {
+            return Cow::Borrowed(&self.listed);
+        }
+        let mut all = Vec::with_capacity(self.len);
+        all.extend(self.quantised());
+        Cow::Owned(all)
+    }
+
+    /// All grains as a list; where they fell, both exist for a moment.
+    #[must_use]
+    pub fn into_grains(self) -> Vec<QuantisedGrain> {
+        if self.stacks.is_empty() { self.listed } else { self.grains().into_owned() }
     }
 
     /// The grains in metres.
     pub fn iter(&self) -> impl Iterator<Item = Grain> + '_ {
-        self.grains.iter().map(|&g| self.quantisation.grain(g))
+        self.quantised().map(|g| self.quantisation.grain(g))
     }
 
     /// The smallest box around all grains, in metres.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        bounds_of(self.grains.iter().copied(), &self.quantisation)
+        bounds_of(self.quantised(), &self.quantisation)
     }
 
     /// Radius of the largest grain in quanta; 0 where there is none.
     #[must_use]
     pub fn largest_radius_quanta(&self) -> u16 {
-        self.grains.iter().map(|g| g.radius).max().unwrap_or(0)
+        self.quantised().map(|g| g.radius).max().unwrap_or(0)
+    }
+}
+
+/// The same grains in the same order on the same lattice, however they are held.
+impl PartialEq for GrainField {
+    fn eq(&self, other: &Self) -> bool {
+        self.quantisation == other.quantisation
+            && self.len == other.len
+            && self.quantised().eq(other.quantised())
     }
 }
 

@@ -135,7 +135,7 @@ pub fn lattice_grains(
     if cell.kept < full {
         grains = thinned(grains, cell.kept as usize);
     }
-    Ok(GrainField { quantisation: *quantisation, grains })
+    Ok(GrainField::new(*quantisation, grains))
 }
 
 /// Keeps the `kept` grains with the least hash of their index, in order.
@@ -288,9 +288,9 @@ mod tests {
         let (mut near, mut cells) = (0u32, 0u32);
         for basis in &cell.basis {
             let inner = [0, 1, 2].map(|a| 2 * cell.side_quanta[a] + basis[a]);
-            assert!(field.grains.iter().any(|g| g.center == inner));
+            assert!(field.quantised().any(|g| g.center == inner));
             cells += 1;
-            for grain in &field.grains {
+            for grain in field.quantised() {
                 let square: f64 = (0..3)
                     .map(|a| f64::from(grain.center[a]) - f64::from(inner[a]))
                     .map(|d| d * d)

@@ -15,6 +15,7 @@
 //!     density: None,
 //!     rule: DepositRule::Ray,
 //!     max_slope_degrees: 80.0,
+//!     direction: DepositSettings::DOWN,
 //!     area: None,
 //!     seed: 1,
 //! })?;

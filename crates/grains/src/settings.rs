@@ -79,14 +79,50 @@ pub struct DepositSettings {
     /// A grain whose contact normal is steeper than this many degrees from straight up is
     /// discarded (the paper's cliffs); 0..=90.
     pub max_slope_degrees: f64,
-    /// Rectangle that grains fall on, `[x0, z0, x1, z1]` metres; `None`: box of the finite objects
-    /// plus a margin.
+    /// Rectangle that grains fall on, `[x0, z0, x1, z1]` metres: where their lines of fall cross
+    /// the plane y = 0. `None`: box of the finite objects, seen along the fall, plus a margin.
     pub area: Option<[f64; 4]>,
+    /// Direction in which grains fall, of any length: straight down, or driven by a steady wind.
+    /// Must point downwards, by at least a tenth of its length.
+    pub direction: [f64; 3],
     /// Seed of the snowfall.
     pub seed: u64,
 }
 
 impl DepositSettings {
+    /// Straight down.
+    pub const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
+    /// Least part of the direction of fall that must point downwards: about 6 degrees.
+    pub const LEAST_DESCENT: f64 = 0.1;
+
+    /// How far along x and z a falling grain is from where it will be one length lower.
+    #[must_use]
+    pub fn drift(&self) -> [f64; 2] {
+        let [x, y, z] = self.direction;
+        // Not -0, so that straight down is one direction.
+        [x / y + 0.0, z / y + 0.0]
+    }
+
+    fn check_direction(&self) -> Result<(), GrainsError> {
+        let [x, y, z] = self.direction;
+        let length = (x * x + y * y + z * z).sqrt();
+        if !(length.is_finite() && -y >= Self::LEAST_DESCENT * length && y < 0.0) {
+            let reason = format!(
+                "[{x}, {y}, {z}] must point downwards: its y must be negative and at least a tenth \
+                 of its length, as in [0.3, -1, 0]"
+            );
+            return Err(GrainsError::setting("direction", reason));
+        }
+        if self.rule == DepositRule::Roll && self.drift() != [0.0; 2] {
+            let reason = format!(
+                "[{x}, {y}, {z}] leans, but grains that roll find their rest by gravity alone; let \
+                 them fall straight down, or use rule \"stick\" or \"ray\""
+            );
+            return Err(GrainsError::setting("direction", reason));
+        }
+        Ok(())
+    }
+
     /// # Errors
     /// The first setting that means nothing, or a radius above `largest_radius` (metres), the
     /// largest that the scene's quantisation was made for.
@@ -108,6 +144,7 @@ impl DepositSettings {
             let reason = format!("is {} degrees, but must be in 0..=90", self.max_slope_degrees);
             return Err(GrainsError::setting("max_slope", reason));
         }
+        self.check_direction()?;
         check_density(self.density)?;
         if let Some([x0, z0, x1, z1]) = self.area
             && !(x0 < x1 && z0 < z1 && [x0, z0, x1, z1].iter().all(|v| v.is_finite()))

@@ -15,7 +15,7 @@ use snowgrain_math::{Aabb, DVec3};
 /// and is gone before they are packed. Taken high: it decides whether a scene is let in.
 const GRID_BYTES_PER_GRAIN: f64 = 110.0;
 /// Bytes a grain while it falls and is measured: the stacks, the list made of them, and a copy.
-const FALL_BYTES_PER_GRAIN: f64 = 64.0;
+const FALL_BYTES_PER_GRAIN: f64 = 24.0;
 /// Edges of the packed grid's cells and bricks where snow is thin (`snowgrain_accel::GrainGrid`).
 const SIDE_IN_RADII: f64 = 4.0;
 const CELLS_PER_BRICK_EDGE: f64 = 8.0;
@@ -327,6 +327,7 @@ mod tests {
             density: None,
             rule,
             max_slope_degrees: 90.0,
+            direction: DepositSettings::DOWN,
             area: Some([-0.05, -0.05, 0.05, 0.05]),
             seed: 0,
         })

@@ -5,7 +5,7 @@ use crate::description::{IceDescription, ObjectShape, SceneDescription, SnowDesc
 use crate::light::Environment;
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::{RenderError, World};
-use snowgrain_accel::{GrainGrid, SurfaceShape, Surfaces};
+use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
@@ -26,6 +26,13 @@ pub enum BuildStage {
     Snow {
         /// Index among the scene's snow, from 0.
         index: usize,
+    },
+    /// So many grains of snow number `index` lie; told about every tenth of a second or sooner.
+    Fallen {
+        /// Index among the scene's snow, from 0.
+        index: usize,
+        /// Grains of this snow that lie.
+        grains: u64,
     },
     /// Grains are packed for light.
     Packing,
@@ -72,10 +79,22 @@ impl Scene {
         description: &SceneDescription,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
+        Self::build_at(description, SimdLevel::detect(), stage)
+    }
+
+    /// As [`Self::build`], with snow that falls by the instructions of `level`; the same scene.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn build_at(
+        description: &SceneDescription,
+        level: SimdLevel,
+        stage: &mut dyn FnMut(BuildStage),
+    ) -> Result<Self, RenderError> {
         stage(BuildStage::Surfaces);
         let surfaces = surfaces_of(description);
         let mut report = BuildReport::default();
-        let (grid, digest) = build_grid(description, &surfaces, &mut report, stage)?;
+        let (grid, digest) = build_grid(description, &surfaces, level, &mut report, stage)?;
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
@@ -104,10 +123,22 @@ pub fn deposit(
     description: &SceneDescription,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<(GrainField, Vec<Option<DepositReport>>), RenderError> {
+    deposit_at(description, SimdLevel::detect(), stage)
+}
+
+/// As [`deposit`], by the instructions of `level`; the same grains.
+///
+/// # Errors
+/// As [`deposit`].
+pub fn deposit_at(
+    description: &SceneDescription,
+    level: SimdLevel,
+    stage: &mut dyn FnMut(BuildStage),
+) -> Result<(GrainField, Vec<Option<DepositReport>>), RenderError> {
     stage(BuildStage::Surfaces);
     let surfaces = surfaces_of(description);
     let mut report = BuildReport::default();
-    let field = fall(description, &surfaces, &mut report, stage)?;
+    let field = fall(description, &surfaces, level, &mut report, stage)?;
     Ok((field, report.snowfalls))
 }
 
@@ -135,6 +166,7 @@ pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
 fn build_grid(
     description: &SceneDescription,
     surfaces: &Surfaces,
+    level: SimdLevel,
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<(GrainGrid, GrainDigest), RenderError> {
@@ -146,10 +178,12 @@ fn build_grid(
             return Ok(lattice);
         }
     }
-    let field = fall(description, surfaces, report, stage)?;
+    let field = fall(description, surfaces, level, report, stage)?;
     stage(BuildStage::Packing);
-    let grid = GrainGrid::build(field.quantisation, &field.grains, surfaces)?;
-    let digest = GrainDigest::new(field.quantisation, field.grains.iter().copied());
+    let quantisation = field.quantisation;
+    let grains = field.into_grains();
+    let grid = GrainGrid::build(quantisation, &grains, surfaces)?;
+    let digest = GrainDigest::new(quantisation, grains.into_iter());
     Ok((grid, digest))
 }
 
@@ -184,16 +218,20 @@ fn implicit_lattice(
 fn fall(
     description: &SceneDescription,
     surfaces: &Surfaces,
+    level: SimdLevel,
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<GrainField, RenderError> {
     let quantisation = quantisation_of(description, surfaces);
     check_sizes(description, quantisation)?;
-    let mut snowfall = Snowfall::on_surfaces(quantisation, surfaces);
+    let mut snowfall = Snowfall::on_surfaces(quantisation, surfaces).with_simd_level(level);
     for (index, snow) in description.snow.iter().enumerate() {
         stage(BuildStage::Snow { index });
         let result = match snow {
-            SnowDescription::Deposit(settings) => snowfall.deposit(settings).map(Some),
+            SnowDescription::Deposit(settings) => {
+                let mut fallen = |grains| stage(BuildStage::Fallen { index, grains });
+                snowfall.deposit_telling(settings, &mut fallen).map(Some)
+            }
             SnowDescription::Lattice(settings) => snowfall.lattice(settings).map(|()| None),
             SnowDescription::Grains(field) => snowfall.place(field).map(|()| None),
         };

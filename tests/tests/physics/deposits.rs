@@ -27,6 +27,7 @@ fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettin
         density: None,
         rule,
         max_slope_degrees: 90.0,
+        direction: DepositSettings::DOWN,
         area,
         seed: 3,
     }

@@ -66,5 +66,5 @@ fn lattice(kind: LatticeKind, counts: [u32; 3], periodic: [bool; 3]) -> World {
 /// Grains that repeat along x and z with these periods, metres.
 fn periodic(field: &GrainField, period: [f64; 2]) -> World {
     let quanta = period.map(|p| (p / field.quantisation.quantum()).round() as i64);
-    world(GrainGrid::build_periodic(field.quantisation, &field.grains, quanta).unwrap())
+    world(GrainGrid::build_periodic(field.quantisation, &field.grains(), quanta).unwrap())
 }

@@ -45,7 +45,7 @@ impl Slab {
             .iter()
             .map(|grain| quantisation.round(grain.center, grain.radius).unwrap())
             .collect();
-        let world = periodic(&GrainField { quantisation, grains }, [1.0; 2]);
+        let world = periodic(&GrainField::new(quantisation, grains), [1.0; 2]);
         Self { world, period: [1.0; 2], top: top + 1e-3, radius: 0.5, grains: f64::from(layers) }
     }
 
@@ -64,19 +64,21 @@ impl Slab {
             density: None,
             rule: DepositRule::Stick,
             max_slope_degrees: 90.0,
+            direction: DepositSettings::DOWN,
             area: None,
             seed: 5,
         })
         .unwrap();
-        let mut field = snow.into_field();
+        let mut grains = snow.into_field().into_grains();
         let lowest = (30.0 * radius / quantisation.quantum()) as i32;
-        field.grains.retain(|grain| grain.center[1] >= lowest);
-        field.grains.sort_unstable_by_key(|grain| grain.center[1]);
+        grains.retain(|grain| grain.center[1] >= lowest);
+        grains.sort_unstable_by_key(|grain| grain.center[1]);
         let disc = core::f64::consts::PI * radius * radius;
-        field.grains.truncate((tau * period[0] * period[1] / disc).round() as usize);
-        for grain in &mut field.grains {
+        grains.truncate((tau * period[0] * period[1] / disc).round() as usize);
+        for grain in &mut grains {
             grain.center[1] -= lowest - i32::from(grain.radius);
         }
+        let field = GrainField::new(quantisation, grains);
         let (top, grains) = (field.bounds().max.y, field.len() as f64);
         assert!(top < depth * radius, "the pile is not deep enough");
         Self { world: periodic(&field, period), period, top, radius, grains }

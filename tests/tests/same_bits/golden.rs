@@ -13,7 +13,7 @@ const HASHES: &str = "hashes.txt";
 /// The grains in the order in which they are stored.
 fn grain_hash(field: &GrainField) -> String {
     let mut hasher = blake3::Hasher::new();
-    for grain in &field.grains {
+    for grain in field.quantised() {
         for coordinate in grain.center {
             hasher.update(&coordinate.to_le_bytes());
         }

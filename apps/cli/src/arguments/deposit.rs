@@ -1,6 +1,6 @@
 //! `snowgrain deposit` as typed.
 
-use super::{ReportArguments, SceneArguments, values};
+use super::{MachineArguments, ReportArguments, SceneArguments, values};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -21,9 +21,8 @@ pub(crate) struct DepositArguments {
     #[arg(short, long, value_name = "FILE", value_parser = values::grain_file)]
     pub(crate) output: PathBuf,
 
-    /// Refuses scenes that would need more memory than this, as 4GiB [default: what is free]
-    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
-    pub(crate) max_memory: Option<u64>,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
 
     #[command(flatten)]
     pub(crate) report: ReportArguments,

@@ -9,13 +9,15 @@ use crate::process::{self, Stopwatch};
 use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::summary::{SnowfallFigures, grouped, snowfalls};
+use crate::threads;
 use serde::Serialize;
+use snowgrain_accel::SimdLevel;
 use snowgrain_formats::{atomic, write_grains};
-use snowgrain_geometry::Grain;
+use snowgrain_geometry::{Grain, QuantisedGrain};
 use snowgrain_grains::measures::Extent;
-use snowgrain_grains::{ICE_DENSITY, PackReport};
+use snowgrain_grains::{GrainField, ICE_DENSITY, PackReport};
 use snowgrain_render::description::{SceneDescription, SnowDescription};
-use snowgrain_render::{CostEstimate, deposit, surfaces_of};
+use snowgrain_render::{CostEstimate, deposit_at, surfaces_of};
 
 pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     atomic::check_writable_target(&arguments.output)?;
@@ -31,19 +33,24 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
         return Err(Failure::bad_input("no [[snow]] in the scene; add one").of(&loaded.name));
     }
     let cost = CostEstimate::of_fall(description);
-    if let Some(budget) = Budget::of_this_machine(arguments.max_memory) {
+    if let Some(budget) = Budget::of_this_machine(arguments.machine.max_memory) {
         budget.check(&cost).map_err(|failure| failure.of(&loaded.name))?;
     }
+    let pool = threads::pool(&arguments.machine)?;
+    let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     let watch = Stopwatch::start();
-    let (field, reports) =
-        deposit(description, &mut |stage| progress.build_stage(stage, &description.snow))
-            .map_err(|error| Failure::from(error).of(&loaded.name))?;
+    let mut stage = |stage| progress.build_stage(stage, &description.snow);
+    let (field, reports) = pool
+        .install(|| deposit_at(description, level, &mut stage))
+        .map_err(|error| Failure::from(error).of(&loaded.name))?;
     let spent = watch.spent();
     interrupts.while_writing(|| write_grains(&arguments.output, &field))?;
     progress.stage("measuring");
     let lies = lies_on_surface(description, field.quantisation.quantum());
-    let pack = PackReport::of(&field, extent_of(description), &lies);
-    let figures = Figures::new(&pack, snowfalls(&reports), spent);
+    let (grains, stacks_bytes) = (field.len() as u64, field.bytes() as u64);
+    let measured = middle_of(field);
+    let pack = PackReport::of(&measured, extent_of(description), &lies);
+    let figures = Figures::new([grains, stacks_bytes], &pack, snowfalls(&reports), spent);
     progress.finish();
     figures.lines().iter().for_each(|line| progress.note(line));
     if let Some(path) = &arguments.report.json_stats {
@@ -51,6 +58,23 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
         interrupts.while_writing(|| output::write_text(path, &text))?;
     }
     Ok(0)
+}
+
+/// All grains, or, of more than can be measured in little memory and time, those of a rectangle in
+/// the middle of the plan.
+fn middle_of(field: GrainField) -> GrainField {
+    const MOST: f64 = 5e6;
+    let part = (MOST / field.len() as f64).sqrt();
+    if part >= 1.0 {
+        return field;
+    }
+    let bounds = field.bounds();
+    let (center, half) = (bounds.center(), bounds.size() * (0.5 * part));
+    let within = |grain: &QuantisedGrain| {
+        let offset = (field.quantisation.grain(*grain).center - center).abs();
+        offset.x <= half.x && offset.z <= half.z
+    };
+    GrainField::new(field.quantisation, field.quantised().filter(within).collect())
 }
 
 /// Where the solid fraction of a scene's snow is measured.
@@ -76,6 +100,10 @@ fn lies_on_surface(description: &SceneDescription, quantum: f64) -> impl Fn(&Gra
 #[derive(Debug, Serialize)]
 struct Figures {
     grains: u64,
+    /// Memory of the grains after their fall, bytes.
+    grain_bytes: u64,
+    /// Grains that the figures below were measured on: those in the middle of large packs.
+    measured_grains: u64,
     snowfalls: Vec<Option<SnowfallFigures>>,
     accepted: u64,
     discarded: u64,
@@ -96,13 +124,16 @@ struct Figures {
 
 impl Figures {
     fn new(
+        [grains, grain_bytes]: [u64; 2],
         pack: &PackReport,
         snowfalls: Vec<Option<SnowfallFigures>>,
         spent: process::Spent,
     ) -> Self {
         let sum = |part: fn(&SnowfallFigures) -> u64| snowfalls.iter().flatten().map(part).sum();
         Self {
-            grains: pack.grains,
+            grains,
+            grain_bytes,
+            measured_grains: pack.grains,
             accepted: sum(|fall| fall.accepted),
             discarded: sum(|fall| fall.discarded),
             missed: sum(|fall| fall.missed),
@@ -132,11 +163,16 @@ impl Figures {
             ),
             format!(
                 "solid fraction {:.4} +- {:.4} (union: {:.1} kg/m3), {:.4} (nominal), between 20 and \
-                 80 % of the depth",
+                 80 % of the depth{}",
                 self.union_solid_fraction,
                 self.union_solid_fraction_standard_error,
                 self.union_density,
                 self.nominal_solid_fraction,
+                if self.measured_grains == self.grains {
+                    String::new()
+                } else {
+                    format!(", of the {} grains in the middle", grouped(self.measured_grains))
+                },
             ),
             format!(
                 "{:.2} contacts and {:.2} overlaps a grain, {:.2} % hang together with the ground",

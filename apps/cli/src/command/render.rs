@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let pool = pool(&arguments.machine)?;
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
-    let (scene, times) = build(&loaded, &pool, &progress)?;
+    let (scene, times) = build(&loaded, &pool, level, &progress)?;
     refuse_camera_in_ice(&scene, &loaded)?;
     let settings =
         RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
@@ -132,13 +132,14 @@ fn estimate(
 fn build(
     loaded: &LoadedScene,
     pool: &ThreadPool,
+    level: SimdLevel,
     progress: &Progress,
 ) -> Result<(Scene, BuildTimes), Failure> {
     let mut times = BuildTimes::default();
     let mut running: Option<(BuildStage, Stopwatch)> = None;
     let snow = &loaded.description.snow;
     let built = pool.install(|| {
-        Scene::build(&loaded.description, &mut |stage| {
+        Scene::build_at(&loaded.description, level, &mut |stage| {
             if let Some((ended, watch)) = running.replace((stage, Stopwatch::start())) {
                 times.book(ended, watch.spent());
             }

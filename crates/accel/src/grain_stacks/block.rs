@@ -1,6 +1,6 @@
 //! Fifteen grains, a link and a bound: 160 bytes.
 
-use snowgrain_geometry::QuantisedGrain;
+use crate::prefetch::prefetch;
 
 /// Lanes of a block; the last one holds the link, the bound and the count.
 pub(super) const LANES: usize = 16;
@@ -49,7 +49,7 @@ impl Block {
 
     /// Bit mask of the lanes that hold grains.
     #[inline(always)]
-    pub(super) fn lanes(&self) -> u64 {
+    pub(super) fn lanes(&self) -> u32 {
         (1 << self.count()) - 1
     }
 
@@ -64,16 +64,22 @@ impl Block {
         lane
     }
 
-    /// The grain of a lane, seen where the cell's corner is at `corner`.
+    /// Asks for all of it, ahead of its use.
     #[inline(always)]
-    pub(super) fn grain(&self, lane: usize, corner: [i64; 2]) -> QuantisedGrain {
-        QuantisedGrain {
-            center: [
-                (corner[0] + i64::from(self.x[lane])) as i32,
-                self.y[lane],
-                (corner[1] + i64::from(self.z[lane])) as i32,
-            ],
-            radius: self.radius[lane],
-        }
+    pub(super) fn prefetch(&self) {
+        prefetch(&self.x[0]);
+        prefetch(&self.radius[0]);
+        prefetch(&self.y[LANES - 1]);
+    }
+
+    /// Takes the newest grain away; there must be one.
+    pub(super) fn pop(&mut self) {
+        self.radius[META] -= 1;
+    }
+
+    /// Highest top of all grains of this block and of older ones.
+    pub(super) fn top(&self) -> i32 {
+        let tops = (0..self.count()).map(|lane| self.y[lane] + i32::from(self.radius[lane]));
+        tops.fold(self.older_top(), i32::max)
     }
 }

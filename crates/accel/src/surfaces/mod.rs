@@ -20,7 +20,7 @@ use bvh::Bvh;
 use contact::{Drop, Touch};
 use fearless_simd::Level;
 use snowgrain_geometry::TriangleMesh;
-use snowgrain_math::{Aabb, DAffine3, DVec3, Ray};
+use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, Ray};
 use solid::Solid;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -136,6 +136,19 @@ impl Surfaces {
     pub fn with_level(mut self, level: SimdLevel) -> Self {
         self.level = level.token().expect("the SIMD level was checked when it was chosen");
         self
+    }
+
+    /// The same surfaces turned about the origin by the rotation `turn`, with the same ids.
+    #[must_use]
+    pub fn turned(&self, turn: &DMat3) -> Self {
+        let solids: Vec<Solid> = self.solids.iter().map(|solid| solid.turned(turn)).collect();
+        let turned = |triangle: &Triangle| Triangle {
+            corners: triangle.corners.map(|corner| *turn * corner),
+            id: triangle.id,
+        };
+        let bvh = Bvh::new(self.bvh.triangles.iter().map(turned).collect());
+        let bounds = solids.iter().fold(bvh.bounds, |all, s| all.union(&s.bounds()));
+        Self { solids, bvh, bounds, level: self.level }
     }
 
     /// The nearest surface with `0 < t <= t_max`, other than the piece `exclude`; of several at the

@@ -54,6 +54,16 @@ impl Solid {
         Self { object, center: transform.translation, matrix, inverse: matrix.inverse(), shape }
     }
 
+    /// The same solid turned about the origin.
+    pub(super) fn turned(&self, turn: &DMat3) -> Self {
+        let transform = DAffine3 { matrix3: *turn * self.matrix, translation: *turn * self.center };
+        match self.shape {
+            Shape::Sphere(_) => Self::sphere(self.object, &transform),
+            Shape::Box(_) => Self::cuboid(self.object, &transform),
+            Shape::Plane(_) => Self::plane(self.object, &transform),
+        }
+    }
+
     fn id(&self, piece: usize) -> SurfaceId {
         SurfaceId { object: self.object, piece: piece as u32 }
     }

@@ -221,8 +221,14 @@ pub struct SnowTable {
     /// for rule = "ray", else 90 (none); deposit.
     #[serde(default)]
     pub max_slope: Option<f64>,
-    /// Rectangle that grains fall on: [x0, z0, x1, z1], lengths with x0 < x1 and z0 < z1; default
-    /// the box of the finite objects plus a margin; deposit.
+    /// Direction in which grains fall, as a steady wind drives them: [x, y, z], three numbers of
+    /// any length with y below 0 and at least a tenth of it; default [0, -1, 0], straight down;
+    /// rules "ray" and "stick" of deposit.
+    #[serde(default)]
+    pub direction: Option<[f64; 3]>,
+    /// Rectangle that grains fall on: [x0, z0, x1, z1], lengths with x0 < x1 and z0 < z1, where
+    /// their lines of fall cross y = 0; default the box of the finite objects, seen along the fall,
+    /// plus a margin; deposit.
     #[serde(default)]
     pub area: Option<[Length; 4]>,
     /// Seed of the snowfall: a whole number; default the position in the list of snow; deposit.

@@ -7,7 +7,7 @@
 use super::Falling;
 use super::rules::Drop;
 use crate::GrainsError;
-use snowgrain_accel::{GrainStacks, PlanRectangle};
+use snowgrain_accel::{Fall, GrainStacks, PlanRectangle};
 
 /// Points along each side of the area.
 const POINTS: i32 = 64;
@@ -27,7 +27,7 @@ struct Probe {
 impl Falling<'_> {
     /// Drops grains until the snow is `depth` quanta deep.
     pub(super) fn until_deep(&mut self, depth: f64) -> Result<(), GrainsError> {
-        let probes = probes(&self.drop, self.stacks);
+        let probes = probes(&self.drop, &self.all_stacks());
         if probes.is_empty() {
             return Err(GrainsError::setting(
                 "depth",
@@ -44,7 +44,7 @@ impl Falling<'_> {
         loop {
             let wanted = self.report.accepted + batch.max(layer * LEAST_BATCH).ceil() as u64;
             self.until(wanted)?;
-            let reached = mean_depth(&probes, &self.drop, self.stacks);
+            let reached = mean_depth(&probes, &self.drop, &self.all_stacks());
             if reached >= depth {
                 return Ok(());
             }
@@ -54,7 +54,13 @@ impl Falling<'_> {
     }
 }
 
-fn probes(drop: &Drop<'_>, stacks: &GrainStacks) -> Vec<Probe> {
+impl Falling<'_> {
+    fn all_stacks(&self) -> Vec<&GrainStacks> {
+        std::iter::once(&*self.stacks).chain(self.others.iter().copied()).collect()
+    }
+}
+
+fn probes(drop: &Drop<'_>, stacks: &[&GrainStacks]) -> Vec<Probe> {
     let PlanRectangle { min, max } = drop.area;
     let at = |index: i32, axis: usize| {
         let part = (f64::from(index) + 0.5) / f64::from(POINTS);
@@ -75,15 +81,16 @@ fn probes(drop: &Drop<'_>, stacks: &GrainStacks) -> Vec<Probe> {
 }
 
 /// Height of what a ray from above meets, and, on solid ground, the y of its normal (1 on grains).
-fn surface(drop: &Drop<'_>, stacks: &GrainStacks, x: f64, z: f64) -> Option<(f64, f64)> {
-    let snow = stacks.ray_down(x, z).map(|hit| hit.height);
+fn surface(drop: &Drop<'_>, stacks: &[&GrainStacks], x: f64, z: f64) -> Option<(f64, f64)> {
+    let contact = |stacks: &&GrainStacks| stacks.first_contact(&Fall::from_above(x, z, 0.0));
+    let snow = stacks.iter().filter_map(contact).map(|hit| hit.height).reduce(f64::max);
     match drop.ground.ray_down(x, z, snow.unwrap_or(f64::NEG_INFINITY)) {
         Some(ground) => Some((ground.height, ground.normal.y)),
         None => snow.map(|height| (height, 1.0)),
     }
 }
 
-fn mean_depth(probes: &[Probe], drop: &Drop<'_>, stacks: &GrainStacks) -> f64 {
+fn mean_depth(probes: &[Probe], drop: &Drop<'_>, stacks: &[&GrainStacks]) -> f64 {
     let mut sum = 0.0;
     for probe in probes {
         if let Some((height, _)) = surface(drop, stacks, probe.x, probe.z) {

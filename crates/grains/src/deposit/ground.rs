@@ -3,15 +3,53 @@
 use crate::GrainsError;
 use snowgrain_accel::{GrainStacks, GrainStacksError, PlanRectangle, SphereContact, Surfaces};
 use snowgrain_geometry::Quantisation;
-use snowgrain_math::{Aabb, DVec3, Ray};
+use snowgrain_math::{Aabb, DMat3, DVec3, Ray};
+
+/// What grains fall on, seen along the direction of fall.
+#[derive(Debug)]
+pub(super) struct Ground<'a> {
+    kind: GroundKind<'a>,
+    /// Where grains do not fall straight down.
+    lean: Option<Lean>,
+}
 
 /// The closed set of grounds.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Ground<'a> {
+enum GroundKind<'a> {
     /// The surfaces of a scene.
     Surfaces { surfaces: &'a Surfaces, quantisation: Quantisation },
     /// The plane y = 0 over a plan of `counts` cells of `side` quanta that repeats.
     LevelFloor { counts: [u16; 2], side: u16 },
+}
+
+/// A direction of fall other than straight down.
+#[derive(Debug)]
+struct Lean {
+    drift: [f64; 2],
+    /// Against the fall, unit length.
+    up: DVec3,
+    /// Turns `up` to the y axis.
+    turn: DMat3,
+    /// The surfaces, turned so.
+    turned: Surfaces,
+}
+
+impl Lean {
+    /// Centre and normal at the first contact of a sphere that falls from `start`, metres.
+    fn drop_sphere(&self, start: DVec3, radius: f64) -> Option<(DVec3, DVec3)> {
+        let from = self.turn * start;
+        let contact = self.turned.drop_sphere(from.x, from.z, radius, from.y)?;
+        let back = self.turn.transpose();
+        Some((back * DVec3::new(from.x, contact.center_y, from.z), back * contact.normal))
+    }
+
+    fn new(drift: [f64; 2], surfaces: Option<&Surfaces>) -> Self {
+        let up = DVec3::new(drift[0], 1.0, drift[1]).normalize();
+        let side = up.cross(DVec3::X).normalize();
+        let turn = DMat3::from_cols(side.cross(up), up, side).transpose();
+        let turned = surfaces.map_or_else(Surfaces::default, |surfaces| surfaces.turned(&turn));
+        Self { drift, up, turn, turned }
+    }
 }
 
 /// A contact with the ground.
@@ -24,6 +62,22 @@ pub(super) struct GroundContact {
 }
 
 impl<'a> Ground<'a> {
+    pub(super) fn surfaces(surfaces: &'a Surfaces, quantisation: Quantisation) -> Self {
+        Self { kind: GroundKind::Surfaces { surfaces, quantisation }, lean: None }
+    }
+
+    /// Sees everything along the fall with this drift from now on.
+    pub(super) fn turn(&mut self, drift: [f64; 2]) {
+        if self.lean.as_ref().map_or([0.0; 2], |lean| lean.drift) == drift {
+            return;
+        }
+        let surfaces = match self.kind {
+            GroundKind::Surfaces { surfaces, .. } => Some(surfaces),
+            GroundKind::LevelFloor { .. } => None,
+        };
+        self.lean = (drift != [0.0; 2]).then(|| Lean::new(drift, surfaces));
+    }
+
     pub(super) fn level_floor(
         quantisation: &Quantisation,
         widths: [f64; 2],
@@ -42,13 +96,14 @@ impl<'a> Ground<'a> {
         // One side for both directions; the second period is rounded to it.
         let side = (x / (x / least).floor()).round();
         let counts = [x, z].map(|width| (width / side).round().max(1.0) as u16);
-        Ok(Self::LevelFloor { counts, side: side as u16 })
+        let kind = GroundKind::LevelFloor { counts, side: side as u16 };
+        Ok(Self { kind, lean: None })
     }
 
     pub(super) fn period(&self) -> Option<[i32; 2]> {
-        match self {
-            Self::Surfaces { .. } => None,
-            Self::LevelFloor { counts, side } => {
+        match &self.kind {
+            GroundKind::Surfaces { .. } => None,
+            GroundKind::LevelFloor { counts, side } => {
                 Some(counts.map(|count| i32::from(count) * i32::from(*side)))
             }
         }
@@ -56,9 +111,9 @@ impl<'a> Ground<'a> {
 
     /// Box of the finite surfaces, metres.
     pub(super) fn bounds(&self) -> Aabb {
-        match self {
-            Self::Surfaces { surfaces, .. } => surfaces.bounds(),
-            Self::LevelFloor { .. } => Aabb::EMPTY,
+        match &self.kind {
+            GroundKind::Surfaces { surfaces, .. } => surfaces.bounds(),
+            GroundKind::LevelFloor { .. } => Aabb::EMPTY,
         }
     }
 
@@ -67,28 +122,38 @@ impl<'a> Ground<'a> {
         &self,
         plan: PlanRectangle,
         side: u16,
+        drift: [f64; 2],
     ) -> Result<GrainStacks, GrainStacksError> {
-        match self {
-            Self::Surfaces { .. } => GrainStacks::new(plan, side),
-            Self::LevelFloor { counts, side } => GrainStacks::periodic([0, 0], *counts, *side),
+        match &self.kind {
+            GroundKind::Surfaces { .. } => GrainStacks::new(plan, side, drift),
+            GroundKind::LevelFloor { counts, side } => {
+                GrainStacks::periodic([0, 0], *counts, *side, drift)
+            }
         }
     }
 
-    /// Where a vertical ray from above meets the ground above height `down_to`.
+    /// The point at height `y` of the line of fall that crosses y = 0 at `x, z`; quanta.
+    fn point(&self, x: f64, z: f64, y: f64) -> DVec3 {
+        let [drift_x, drift_z] = self.lean.as_ref().map_or([0.0; 2], |lean| lean.drift);
+        DVec3::new(x + y * drift_x, y, z + y * drift_z)
+    }
+
+    /// Where a line of fall from above meets the ground above height `down_to`.
     pub(super) fn ray_down(&self, x: f64, z: f64, down_to: f64) -> Option<GroundContact> {
-        match self {
-            Self::LevelFloor { .. } => {
+        match &self.kind {
+            GroundKind::LevelFloor { .. } => {
                 (down_to < 0.0).then_some(GroundContact { height: 0.0, normal: DVec3::Y })
             }
-            Self::Surfaces { surfaces, quantisation } => {
+            GroundKind::Surfaces { surfaces, quantisation } => {
                 let quantum = quantisation.quantum();
                 // As high as a grain can lie; a search that ends above what is already found
                 // leaves most of the surfaces out.
                 let top = f64::from(Quantisation::MAX_COORDINATE);
-                let origin = quantisation.origin() + DVec3::new(x, top, z) * quantum;
-                let reach = (top - down_to) * quantum;
-                let hit = surfaces.intersect(&Ray::new(origin, DVec3::NEG_Y), reach, None)?;
-                Some(GroundContact { height: top - hit.t / quantum, normal: hit.normal })
+                let origin = quantisation.origin() + self.point(x, z, top) * quantum;
+                let up = self.lean.as_ref().map_or(DVec3::Y, |lean| lean.up);
+                let reach = (top - down_to) * quantum / up.y;
+                let hit = surfaces.intersect(&Ray::new(origin, -up), reach, None)?;
+                Some(GroundContact { height: top - hit.t * up.y / quantum, normal: hit.normal })
             }
         }
     }
@@ -102,11 +167,20 @@ impl<'a> Ground<'a> {
         radius: f64,
         [from, down_to]: [f64; 2],
     ) -> Option<GroundContact> {
-        let contact = match self {
-            Self::LevelFloor { .. } => GroundContact { height: radius, normal: DVec3::Y },
-            Self::Surfaces { surfaces, quantisation } => {
+        let contact = match &self.kind {
+            GroundKind::LevelFloor { .. } => GroundContact { height: radius, normal: DVec3::Y },
+            GroundKind::Surfaces { surfaces, quantisation } => {
                 let (quantum, origin) = (quantisation.quantum(), quantisation.origin());
                 let start = from.min(f64::from(Quantisation::MAX_COORDINATE));
+                if let Some(lean) = &self.lean {
+                    let start = origin + self.point(x, z, start) * quantum;
+                    return lean.drop_sphere(start, radius * quantum).and_then(
+                        |(center, normal)| {
+                            let height = (center.y - origin.y) / quantum;
+                            (height > down_to).then_some(GroundContact { height, normal })
+                        },
+                    );
+                }
                 let contact = surfaces.drop_sphere(
                     origin.x + x * quantum,
                     origin.z + z * quantum,
@@ -128,9 +202,9 @@ impl<'a> Ground<'a> {
         reach: f64,
         scratch: &mut Vec<SphereContact>,
     ) -> bool {
-        match self {
-            Self::LevelFloor { .. } => false,
-            Self::Surfaces { surfaces, quantisation } => {
+        match &self.kind {
+            GroundKind::LevelFloor { .. } => false,
+            GroundKind::Surfaces { surfaces, quantisation } => {
                 let quantum = quantisation.quantum();
                 scratch.clear();
                 surfaces.near(quantisation.origin() + center * quantum, reach * quantum, scratch);
@@ -141,6 +215,6 @@ impl<'a> Ground<'a> {
 
     /// Height of the level floor, where there is one.
     pub(super) fn floor(&self) -> Option<f64> {
-        matches!(self, Self::LevelFloor { .. }).then_some(0.0)
+        matches!(self.kind, GroundKind::LevelFloor { .. }).then_some(0.0)
     }
 }

@@ -9,9 +9,10 @@
 //! one at which a contact stops pressing, are roots of `p cos t + q sin t = k`.
 
 use super::ground::Ground;
+use super::pile::Lying;
 use super::rules::{Fate, center};
 use crate::GrainsError;
-use snowgrain_accel::{Fall, GrainSlot, GrainStacks, SphereContact};
+use snowgrain_accel::{Fall, GrainSlot, SphereContact};
 use snowgrain_geometry::QuantisedGrain;
 use snowgrain_math::{DVec3, trig};
 
@@ -155,7 +156,7 @@ impl<'a> Roller<'a> {
     }
 
     /// Drops a sphere of `radius` quanta along x, z and follows it to its rest.
-    pub(super) fn settle(&mut self, stacks: &GrainStacks, [x, z]: [f64; 2], radius: f64) -> Rest {
+    pub(super) fn settle(&mut self, lying: &Lying<'_, '_>, [x, z]: [f64; 2], radius: f64) -> Rest {
         self.contacts.clear();
         self.ignored.clear();
         let mut at = DVec3::new(x, f64::INFINITY, z);
@@ -163,12 +164,12 @@ impl<'a> Roller<'a> {
             match self.motion(at) {
                 Motion::Rests => return Rest::Stable(at),
                 Motion::Falls => {
-                    if let Some(end) = self.fall(stacks, &mut at, radius) {
+                    if let Some(end) = self.fall(lying, &mut at, radius) {
                         return end;
                     }
                 }
                 Motion::Rolls { over, arc } => {
-                    let (angle, end) = self.end_of(&arc, over, stacks, radius);
+                    let (angle, end) = self.end_of(&arc, over, lying, radius);
                     at = arc.at(angle);
                     self.ignored.clear();
                     match end {
@@ -202,11 +203,11 @@ impl<'a> Roller<'a> {
     }
 
     /// Lets the sphere fall straight down from `at`; `Some` where that is the end.
-    fn fall(&mut self, stacks: &GrainStacks, at: &mut DVec3, radius: f64) -> Option<Rest> {
+    fn fall(&mut self, lying: &Lying<'_, '_>, at: &mut DVec3, radius: f64) -> Option<Rest> {
         self.ignored.extend(self.contacts.iter().map(|contact| contact.slot));
         let down_to = f64::NEG_INFINITY;
         let fall = Fall { x: at.x, z: at.z, radius, from: at.y, down_to, ignored: &self.ignored };
-        let hit = stacks.first_contact(&fall);
+        let hit = lying.first_contact(&fall);
         self.contacts.clear();
         let down_to = hit.map_or(down_to, |hit| hit.height);
         if let Some(ground) = self.ground.drop_sphere(at.x, at.z, radius, [at.y, down_to]) {
@@ -279,13 +280,13 @@ impl<'a> Roller<'a> {
         &mut self,
         arc: &Arc,
         over: [usize; 2],
-        stacks: &GrainStacks,
+        lying: &Lying<'_, '_>,
         radius: f64,
     ) -> (f64, End) {
         let (mut angle, mut end) = self.release(arc, over);
         let (middle, half_width) = arc.ball_around(angle);
         self.neighbours.clear();
-        stacks.near(middle, half_width + radius, &mut self.neighbours);
+        lying.near(middle, half_width + radius, &mut self.neighbours);
         for &(slot, grain) in &self.neighbours {
             let other = center(grain);
             let rolled_over =

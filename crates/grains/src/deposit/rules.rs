@@ -1,9 +1,10 @@
 //! One falling grain under each rule.
 
 use super::ground::Ground;
+use super::pile::Lying;
 use super::roll::Roller;
 use crate::{DepositRule, DepositSettings, GrainsError};
-use snowgrain_accel::{Fall, GrainStacks, PlanRectangle};
+use snowgrain_accel::{Fall, GrainStacks, PlanRectangle, Quad};
 use snowgrain_geometry::{GeometryError, Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, pcg3d};
 use snowgrain_math::{DVec3, trig};
@@ -21,6 +22,14 @@ pub(super) enum Fate {
     Missed,
 }
 
+/// Where a drop falls: where its line crosses y = 0, and its radius; quanta.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub(super) x: i32,
+    pub(super) z: i32,
+    pub(super) radius: u16,
+}
+
 /// Everything about the drops of one snowfall that does not change.
 pub(super) struct Drop<'a> {
     rule: DepositRule,
@@ -34,7 +43,6 @@ pub(super) struct Drop<'a> {
     variation: f64,
     seed: u64,
     snowfall: u64,
-    roller: Roller<'a>,
 }
 
 impl<'a> Drop<'a> {
@@ -57,29 +65,53 @@ impl<'a> Drop<'a> {
             variation: settings.radii.variation / quantisation.quantum(),
             seed: settings.seed,
             snowfall,
-            roller: Roller::new(ground, least_cosine),
         }
     }
 
-    /// Where drop number `index` falls, and its radius; quanta.
-    fn start(&self, index: u64) -> ([f64; 2], u16) {
+    /// Whether a grain comes to rest near the line along which it falls: it rolls nowhere.
+    pub(super) fn is_local(&self) -> bool {
+        match self.rule {
+            DepositRule::Ray | DepositRule::Stick => true,
+            DepositRule::Roll => false,
+        }
+    }
+
+    /// How far from its line of fall a drop asks and stores, quanta.
+    pub(super) fn reach(&self, stacks: &GrainStacks) -> f64 {
+        let largest = f64::from(stacks.largest_radius());
+        match self.rule {
+            DepositRule::Ray => largest,
+            DepositRule::Stick | DepositRule::Roll => 2.0 * largest,
+        }
+    }
+
+    /// Where drop number `index` falls, and its radius.
+    #[inline]
+    pub(super) fn start(&self, index: u64) -> Start {
         let key = PathKey::new(self.seed, index, self.snowfall);
         let [a, b, c] = pcg3d(key.lo, key.hi, 0);
         let PlanRectangle { min, max } = self.area;
-        let x = f64::from(uniform_below(a, min[0], max[0]));
-        let z = f64::from(uniform_below(b, min[1], max[1]));
-        ([x, z], self.radius(c))
+        let (x, z) = (uniform_below(a, min[0], max[0]), uniform_below(b, min[1], max[1]));
+        Start { x, z, radius: self.radius(c) }
     }
 
-    /// Lets drop number `index` fall on what lies.
-    pub(super) fn fall(&mut self, stacks: &GrainStacks, index: u64) -> Result<Fate, GrainsError> {
-        let ([x, z], radius) = self.start(index);
+    /// Lets a drop fall on what lies; `quad` are the cells of its line.
+    #[inline]
+    pub(super) fn fall(
+        &self,
+        lying: &Lying<'_, '_>,
+        roller: &mut Roller<'_>,
+        start: Start,
+        quad: &Quad,
+    ) -> Result<Fate, GrainsError> {
+        let Start { x, z, radius } = start;
+        let [x, z] = [x, z].map(f64::from);
         match self.rule {
-            DepositRule::Ray => self.ray(stacks, [x, z], radius),
-            DepositRule::Stick => self.stick(stacks, [x, z], radius),
+            DepositRule::Ray => self.ray(lying, quad, [x, z], radius),
+            DepositRule::Stick => self.stick(lying, quad, [x, z], radius),
             DepositRule::Roll => {
-                let rest = self.roller.settle(stacks, [x, z], radius.into());
-                rest.fate(|center| self.rounded(center.round(), radius))
+                let rest = roller.settle(lying, [x, z], radius.into());
+                rest.fate(|center| self.rounded(center, radius))
             }
         }
     }
@@ -93,56 +125,62 @@ impl<'a> Drop<'a> {
     }
 
     /// The paper's rule.
+    #[inline]
     fn ray(
         &self,
-        stacks: &GrainStacks,
+        lying: &Lying<'_, '_>,
+        quad: &Quad,
         [x, z]: [f64; 2],
         radius: u16,
     ) -> Result<Fate, GrainsError> {
-        let hit = stacks.ray_down(x, z);
+        let hit = lying.first_contact_at(quad, &Fall::from_above(x, z, 0.0));
         let down_to = hit.map_or(f64::NEG_INFINITY, |hit| hit.height);
-        let (height, normal) = match (self.ground.ray_down(x, z, down_to), hit) {
-            (Some(ground), _) => (ground.height, ground.normal),
+        let (at, normal) = match (self.ground.ray_down(x, z, down_to), hit) {
+            (Some(ground), _) => (lying.region.point(x, z, ground.height), ground.normal),
             (None, Some(hit)) => {
-                let reach = f64::from(hit.grain.radius);
-                (hit.height, (DVec3::new(x, hit.height, z) - center(hit.grain)) / reach)
+                let at = lying.region.point(x, z, hit.height);
+                (at, (at - center(hit.grain)) / f64::from(hit.grain.radius))
             }
             (None, None) => return Ok(Fate::Missed),
         };
         if normal.y < self.least_cosine {
             return Ok(Fate::TooSteep);
         }
-        let center = DVec3::new(x, height, z) + normal * f64::from(radius);
-        Ok(Fate::Rests(self.rounded(center.round(), radius)?))
+        let center = at + normal * f64::from(radius);
+        Ok(Fate::Rests(self.rounded(center, radius)?))
     }
 
-    /// The first contact of the sphere itself. It falls along a vertical through a lattice point,
-    /// so rounding its height up leaves no overlap at all.
+    /// The first contact of the sphere itself. Where it falls along a vertical, that goes through a
+    /// lattice point, so rounding its height up leaves no overlap at all.
+    #[inline]
     fn stick(
         &self,
-        stacks: &GrainStacks,
+        lying: &Lying<'_, '_>,
+        quad: &Quad,
         [x, z]: [f64; 2],
         radius: u16,
     ) -> Result<Fate, GrainsError> {
         let falling = f64::from(radius);
-        let hit = stacks.first_contact(&Fall::from_above(x, z, falling));
+        let hit = lying.first_contact_at(quad, &Fall::from_above(x, z, falling));
         let down_to = hit.map_or(f64::NEG_INFINITY, |hit| hit.height);
         let ground = self.ground.drop_sphere(x, z, falling, [f64::INFINITY, down_to]);
         let (height, normal) = match (ground, hit) {
             (Some(ground), _) => (ground.height, ground.normal),
             (None, Some(hit)) => {
                 let reach = falling + f64::from(hit.grain.radius);
-                (hit.height, (DVec3::new(x, hit.height, z) - center(hit.grain)) / reach)
+                let at = lying.region.point(x, z, hit.height);
+                (hit.height, (at - center(hit.grain)) / reach)
             }
             (None, None) => return Ok(Fate::Missed),
         };
         if normal.y < self.least_cosine {
             return Ok(Fate::TooSteep);
         }
-        Ok(Fate::Rests(self.rounded(DVec3::new(x, height.ceil(), z), radius)?))
+        let at = lying.region.point(x, z, height.ceil());
+        Ok(Fate::Rests(self.rounded(at, radius)?))
     }
 
-    /// The grain at whole quanta, if the lattice reaches that far.
+    /// The grain at the nearest whole quanta, if the lattice reaches that far.
     fn rounded(&self, at: DVec3, radius: u16) -> Result<QuantisedGrain, GrainsError> {
         let reach = f64::from(Quantisation::MAX_COORDINATE);
         if !at.is_finite() || at.abs().max_element() > reach {
@@ -151,8 +189,16 @@ impl<'a> Drop<'a> {
             let reach = reach * quantum;
             return Err(GeometryError::OutOfLattice { x, y, z, reach }.into());
         }
-        Ok(QuantisedGrain { center: [at.x as i32, at.y as i32, at.z as i32], radius })
+        Ok(QuantisedGrain { center: at.to_array().map(nearest), radius })
     }
+}
+
+/// The nearest whole number, ties away from zero; `x` lies well within its range.
+#[inline(always)]
+fn nearest(x: f64) -> i32 {
+    let towards_zero = x as i32;
+    let rest = x - f64::from(towards_zero);
+    towards_zero + i32::from(rest >= 0.5) - i32::from(rest <= -0.5)
 }
 
 /// Centre of a grain, quanta.

@@ -16,6 +16,7 @@ fn settings(rule: DepositRule, amount: Amount) -> DepositSettings {
         density: None,
         rule,
         max_slope_degrees: 90.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: 3,
     }
@@ -134,7 +135,7 @@ fn what_lies_too_steep_is_discarded() {
     let lattice = quantisation(big);
     let mut snow = Snowfall::on_level_floor(lattice, [100.0 * R; 2]).unwrap();
     let grain = lattice.round(DVec3::new(50.0 * R, big, 50.0 * R), big).unwrap();
-    snow.place(&GrainField { quantisation: lattice, grains: vec![grain] }).unwrap();
+    snow.place(&GrainField::new(lattice, vec![grain])).unwrap();
     let wanted = DepositSettings {
         max_slope_degrees: 60.0,
         ..settings(DepositRule::Ray, Amount::Grains(200))

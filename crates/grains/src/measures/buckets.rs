@@ -46,7 +46,7 @@ impl Buckets {
             if field.is_empty() {
                 return 1.0;
             }
-            let coordinates = || field.grains.iter().map(|g| f64::from(g.center[axis]));
+            let coordinates = || field.quantised().map(|g| f64::from(g.center[axis]));
             self.low[axis] = coordinates().fold(f64::INFINITY, f64::min);
             coordinates().fold(f64::NEG_INFINITY, f64::max) + 1.0
         });
@@ -66,11 +66,11 @@ impl Buckets {
     fn sort(&mut self, field: &GrainField) {
         let cubes = self.counts.iter().product::<i64>() as usize;
         let mut starts = vec![0u32; cubes + 1];
-        let cube_of = |grain: &QuantisedGrain| {
+        let cube_of = |grain: QuantisedGrain| {
             let cube = self.cube(grain.center.map(f64::from));
             self.wrapped(cube).map_or(0, |(index, _)| index)
         };
-        for grain in &field.grains {
+        for grain in field.quantised() {
             starts[cube_of(grain) + 1] += 1;
         }
         for cube in 0..cubes {
@@ -79,9 +79,9 @@ impl Buckets {
         let mut next = starts.clone();
         let empty = QuantisedGrain { center: [0; 3], radius: 0 };
         let mut grains = vec![empty; field.len()];
-        for grain in &field.grains {
+        for grain in field.quantised() {
             let place = &mut next[cube_of(grain)];
-            grains[*place as usize] = *grain;
+            grains[*place as usize] = grain;
             *place += 1;
         }
         for grain in &mut grains {

@@ -106,6 +106,7 @@ fn snow(arguments: &SlabArguments) -> Result<MeasuredSnow, Failure> {
         density: None,
         rule,
         max_slope_degrees: 90.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: tracing.seed,
     };

@@ -119,7 +119,7 @@ pub(super) fn fallen(
 
 /// The grains of a file, which repeat with a period near to `period`, metres.
 pub(super) fn repeated(
-    mut field: GrainField,
+    field: GrainField,
     period: [f64; 2],
     ior: f64,
 ) -> Result<MeasuredSnow, Failure> {
@@ -144,15 +144,17 @@ pub(super) fn repeated(
         *length = ((wanted / cells).round() * cells) as i64;
     }
     let [x, z] = quanta;
-    for grain in &mut field.grains {
+    let quantisation = field.quantisation;
+    let mut grains = field.into_grains();
+    for grain in &mut grains {
         grain.center[0] = i64::from(grain.center[0]).rem_euclid(x) as i32;
         grain.center[2] = i64::from(grain.center[2]).rem_euclid(z) as i32;
     }
-    periodic(&field, quanta, ior)
+    periodic(&GrainField::new(quantisation, grains), quanta, ior)
 }
 
 fn periodic(field: &GrainField, quanta: [i64; 2], ior: f64) -> Result<MeasuredSnow, Failure> {
-    let grid = GrainGrid::build_periodic(field.quantisation, &field.grains, quanta)
+    let grid = GrainGrid::build_periodic(field.quantisation, &field.grains(), quanta)
         .map_err(RenderError::from)?;
     let bounds = field.bounds();
     let [x, z] = quanta.map(|length| length as f64 * field.quantisation.quantum());
@@ -165,7 +167,7 @@ pub(super) fn body(field: &GrainField, ior: f64) -> Result<MeasuredSnow, Failure
     if field.is_empty() {
         return Err(Failure::bad_input("it holds no grains"));
     }
-    let grid = GrainGrid::build(field.quantisation, &field.grains, &Surfaces::default())
+    let grid = GrainGrid::build(field.quantisation, &field.grains(), &Surfaces::default())
         .map_err(RenderError::from)?;
     let sums = GrainSums::of_field(field);
     Ok(MeasuredSnow { world: world(grid, ior), sums, hull: field.bounds() })

@@ -41,6 +41,7 @@ fn defaults_are_those_of_the_manual() {
         density: None,
         rule: DepositRule::Ray,
         max_slope_degrees: 80.0,
+        direction: DepositSettings::DOWN,
         area: None,
         seed: 0,
     };
@@ -58,12 +59,15 @@ fn every_deposit_key_arrives_in_metres() {
         density: Some(250.0),
         rule: DepositRule::Roll,
         max_slope_degrees: 60.0,
+        direction: DepositSettings::DOWN,
         area: Some([-1.0, -2.0, 0.5, 0.25]),
         seed: 7,
     };
     assert_eq!(deposit(&read(&text, &[]).unwrap()), &expected);
     let stick = read(LEAST, &["snow.rule=stick"]).unwrap();
     assert_eq!(deposit(&stick).max_slope_degrees, 90.0);
+    let wind = read(LEAST, &["snow.direction=[0.5, -1, 0]"]).unwrap();
+    assert_eq!(deposit(&wind).direction, [0.5, -1.0, 0.0]);
     let alias = read(LEAST, &["snow.rule=chrisman"]).unwrap();
     assert_eq!(deposit(&alias).rule, DepositRule::Ray);
     assert_eq!(deposit(&read(LEAST, &["snow.variation=0.5mm"]).unwrap()).radii.variation, 0.0005);

@@ -28,7 +28,7 @@ fn unknown_keys_suggest_the_nearest() {
     assert_eq!(
         in_snow("temperature = -3"),
         "folder/scene.toml:13: snow.0.temperature: unknown key; known here: area, counts, density, \
-         depth, file, grains, lattice, max_slope, radius, rule, seed, source, spacing, variation"
+         depth, direction, file, grains, lattice, max_slope, radius, rule, seed, source, spacing, variation"
     );
     let long = instead("[camera]", &format!("[{}]", "x".repeat(10_000)));
     assert!(long.len() < 300, "{long}");
@@ -203,6 +203,12 @@ fn amounts_of_snow_are_checked() {
     for slope in ["-1", "90.5", "nan"] {
         assert!(in_snow(&format!("max_slope = {slope}")).contains("must be 0 to 90 degrees"));
     }
+    for direction in ["[0, 1, 0]", "[0, 0, 0]", "[1, 0, 0]", "[20, -1, 0]", "[nan, -1, 0]"] {
+        let message = in_snow(&format!("direction = {direction}"));
+        assert!(message.contains("snow.0.direction = [") && message.contains("downwards"));
+    }
+    let rolling = in_snow("rule = \"roll\"\ndirection = [0.1, -1, 0]");
+    assert!(rolling.contains("grains that roll find their rest by gravity alone"), "{rolling}");
     for area in ["[0, 0, 0, 1]", "[0, 1, 1, 0]", "[nan, 0, 1, 1]", "[0, 0, inf, 1]"] {
         assert!(in_snow(&format!("area = {area}")).contains("snow.0.area = ["));
     }
@@ -218,7 +224,7 @@ fn keys_of_one_source_are_refused_on_another() {
         in_snow("lattice = \"fcc\""),
         "folder/scene.toml:13: snow.0.lattice = \"fcc\": not a key of source = \"deposit\" but of \
          \"lattice\"; remove it or change the source (deposit takes: grains, depth, radius, \
-         variation, density, rule, max_slope, area, seed)"
+         variation, density, rule, max_slope, direction, area, seed)"
     );
     assert!(
         instead("\"deposit\"", "\"lattice\"")
