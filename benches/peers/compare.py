@@ -144,14 +144,15 @@ def main():
     started = time.monotonic()
     date = datetime.date.today().isoformat()
     for scene in scenes.SCENES:
-        if scene.name in chosen.scenes.split(","):
-            run_scene(place, scene, chosen, runs)
-    faults = self_check(runs)
-    kept = {
-        "date": date, "machine": machine(), "threads": chosen.threads, "quick": chosen.quick,
-        "whole_seconds": time.monotonic() - started, "runs": runs, "self_check": faults,
-    }
-    (place.folder / "last.json").write_text(json.dumps(kept, indent=1))
+        if scene.name not in chosen.scenes.split(","):
+            continue
+        run_scene(place, scene, chosen, runs)
+        kept = {
+            "date": date, "machine": machine(), "threads": chosen.threads, "quick": chosen.quick,
+            "whole_seconds": time.monotonic() - started, "runs": runs, "self_check": self_check(runs),
+        }
+        # After every scene, so that an interrupted run leaves what it has.
+        (place.folder / "last.json").write_text(json.dumps(kept, indent=1))
     table = report.markdown(kept)
     (place.folder / "RESULTS.md").write_text(table)
     if chosen.keep:
@@ -161,9 +162,9 @@ def main():
         (HERE / "runs" / f"{date}-{label}.json").write_text(json.dumps(kept, indent=1) + "\n")
         (HERE / "RESULTS.md").write_text(table)
     print(table)
-    for fault in faults:
+    for fault in kept["self_check"]:
         say(f"self-check: {fault}")
-    return 1 if faults else 0
+    return 1 if kept["self_check"] else 0
 
 
 if __name__ == "__main__":

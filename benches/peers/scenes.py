@@ -29,9 +29,9 @@ class Scene:
 # lattice's cells, given to four and three decimals.
 ALL = ("snowgrain", "embree", "mitsuba", "cycles")
 SCENES = [
-    Scene("cube-32", "cube-32.toml", 32, False, {"snowgrain": 128, "embree": 64, "mitsuba": 16, "cycles": 32},
+    Scene("cube-32", "cube-32.toml", 32, False, {"snowgrain": 128, "embree": 64, "mitsuba": 16, "cycles": 16},
           (0.4063, 0.372), ALL),
-    Scene("cube-64", "cube-64.toml", 64, False, {"snowgrain": 64, "embree": 32, "mitsuba": 8, "cycles": 16},
+    Scene("cube-64", "cube-64.toml", 64, False, {"snowgrain": 64, "embree": 32, "mitsuba": 8, "cycles": 8},
           (0.4947, 0.472)),
     Scene("cube-120", "snow-cube-sc", 120, False, {"snowgrain": 64, "embree": 32, "mitsuba": 4, "cycles": 8},
           (0.5571, 0.543)),

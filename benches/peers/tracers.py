@@ -121,6 +121,10 @@ def embree(place, scene, camera, seen, samples, overlap=None, **options):
 
 
 BYTES_A_GRAIN = {"mitsuba": 7500, "cycles": 3000}  # rough, to refuse what would not fit
+# Independent pictures, whose scatter is the standard error. Cycles prepares each anew, so it gets fewer, and
+# more than one sample in each, or preparing could not be told from sampling.
+BATCHES = {"mitsuba": 4, "cycles": 2}
+LEAST_SAMPLES = {"mitsuba": 1, "cycles": 2}
 MODULE = {"mitsuba": "mitsuba", "cycles": "bpy"}
 
 
@@ -139,11 +143,11 @@ def in_python(peer):
         count = path.stat().st_size // 28
         if count * BYTES_A_GRAIN[peer] > available_bytes():
             raise Unavailable(f"{count} grains need about {count * BYTES_A_GRAIN[peer] / 1e9:.0f} GB, which is not free")
-        batches = 4
+        batches = BATCHES[peer]
         job = {
             "grains": str(path), "from": camera.origin.tolist(), "at": camera.target.tolist(), "fov": camera.fov,
             "ior": camera.ior, "ground": camera.ground, "size": scenes.SIZE, "threads": place.threads,
-            "batches": batches, "samples_per_batch": max(samples // batches, 1), "subdivisions": 6,
+            "batches": batches, "samples_per_batch": max(samples // batches, LEAST_SAMPLES[peer]), "subdivisions": 6,
             "pictures": str(place.folder / f"{peer}.npy"), "answer": str(place.folder / f"{peer}.json"),
         }
         described = place.folder / f"{peer}-job.json"

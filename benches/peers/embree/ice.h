@@ -65,9 +65,9 @@ struct Ice {
 
     void leave(Path& path, uint32_t grain, Vec normal, Vec direction) const {
         const Grain& g = snow.grains[grain];
-        path.normal = normalized(normal);
+        path.normal = mended(normal);
         path.origin = g.centre() + (g.radius * OUTWARD) * path.normal;
-        path.direction = normalized(direction);
+        path.direction = mended(direction);
         path.grain = grain;
     }
 
@@ -85,7 +85,7 @@ struct Ice {
         const float scale = 1.0f / g.radius;
         const float sine2 = scale * scale * dot(across, across);
         cosine = sine2 < 1.0f ? std::sqrt(1.0f - sine2) : 0.0f;
-        return normalized(scale * across - cosine * path.direction);
+        return scale * across - cosine * path.direction;
     }
 
     // Follows the path through the grain that it meets. False if the ground swallowed it.
@@ -103,7 +103,7 @@ struct Ice {
         }
         const Vec direction = inverse_eta * path.direction + (outside * inverse_eta - inside) * normal;
         if (overlap == Overlap::None) return sphere(path, grain, normal, direction, outside, inside, reflectance);
-        return united(path, grain, normal, normalized(direction), count);
+        return united(path, grain, normal, mended(direction), count);
     }
 
     // A lone sphere: all its chords meet the surface at the same angle.
@@ -147,7 +147,7 @@ struct Ice {
                 leave(path, grain, normal, normal);
                 return true;
             }
-            direction = normalized(direction - (2.0f * inside) * normal);
+            direction = mended(direction - (2.0f * inside) * normal);
         }
     }
 

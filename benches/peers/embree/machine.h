@@ -64,6 +64,8 @@ inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vec operator*(float s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
 inline float dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec normalized(Vec a) { return (1.0f / std::sqrt(dot(a, a))) * a; }
+// Mends the length of a vector that is of unit length but for rounding: one step of Newton's method.
+inline Vec mended(Vec a) { return (1.5f - 0.5f * dot(a, a)) * a; }
 
 // PCG-XSH-RR 64/32 (O'Neill 2014), one stream a path.
 struct Random {
