@@ -41,19 +41,29 @@ def mean(pair):
     return f"{pair[0]:.4f} ± {pair[1]:.4f}"
 
 
+def rates(run, what):
+    """Per CPU second, of this row and of its repeats."""
+    return [r[what] / r["render_cpu_seconds"] for r in [run, *run.get("repeats", [])]]
+
+
 def speed_row(run, exact):
     if "samples" not in run:
         return [run["tracer"], "-", run.get("unavailable") or "failed: " + run["failed"].splitlines()[0][:120]] + ["-"] * 7
-    rate = run["samples"] / run["render_cpu_seconds"]
-    events, estimated = run["events"], ""
-    if events is None and exact and "events" in exact:
-        events, estimated = exact["events"] / exact["samples"] * run["samples"], "≈ "
-    per_second = events and events / run["render_cpu_seconds"] / 1e6
-    visits = run["visits"] and run["visits"] / run["render_cpu_seconds"] / 1e6
-    ratio = exact and "samples" in exact and exact["samples"] / exact["render_cpu_seconds"] / rate
+    rate = max(rates(run, "samples"))
+    if run["events"] is not None:
+        of_events = sorted(x / 1e6 for x in rates(run, "events"))
+        events = number(of_events[-1])
+        if len(of_events) > 1:
+            events += f" (from {number(of_events[0])})"
+    elif exact and "events" in exact:
+        events = "≈ " + number(exact["events"] / exact["samples"] * rate / 1e6)
+    else:
+        events = "-"
+    visits = run["visits"] and max(rates(run, "visits")) / 1e6
+    ratio = exact and "samples" in exact and max(rates(exact, "samples")) / rate
     return [
-        run["tracer"], run["version"], run["variant"], number(rate / 1e6), number(rate / 1e6 * run["render_cpu_seconds"] / run["render_seconds"]),
-        estimated + number(per_second), number(visits), number(ratio) if ratio else "-",
+        run["tracer"], run["version"], run["variant"], number(rate / 1e6), number(run["samples"] / run["render_seconds"] / 1e6),
+        events, number(visits), number(ratio) if ratio else "-",
         number(run["load_cpu_seconds"], 2), f"{run['bytes'] / run['grains']:.0f}",
     ]
 
@@ -108,7 +118,7 @@ def clock_part(runs):
     lines = [f"Clock while the Embree tracer ran: {min(clocks):.2f} to {max(clocks):.2f} GHz (chain of dependent additions)."]
     rows = []
     for scene, earlier in EARLIER.items():
-        best = [r["events"] / r["render_cpu_seconds"] / 1e6 for r in runs
+        best = [max(rates(r, "events")) / 1e6 for r in runs
                 if r["tracer"] == "embree" and r["scene"] == scene and "events" in r]
         if best:
             low, high = (max(best) / earlier / (max(clocks) / ghz) for ghz in reversed(EARLIER_GHZ))
