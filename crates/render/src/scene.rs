@@ -148,8 +148,9 @@ fn build_grid(
     }
     let field = fall(description, surfaces, report, stage)?;
     stage(BuildStage::Packing);
-    let grid = GrainGrid::build(field.quantisation, &field.grains, surfaces)?;
-    let digest = GrainDigest::new(field.quantisation, field.grains.iter().copied());
+    let packing = description.packing.unwrap_or_default();
+    let grid = GrainGrid::build(field.quantisation, &field.grains, surfaces, packing)?;
+    let digest = GrainDigest::new(field.quantisation, packing, field.grains.iter().copied());
     Ok((grid, digest))
 }
 

@@ -89,6 +89,7 @@ fn pile(
             Some([-half, -half, half, half]),
         ))],
         integrator: IntegratorKind::Grains,
+        packing: None,
     }
 }
 
