@@ -1,7 +1,7 @@
 //! `cargo bench -p snowgrain-benches --bench grains [-- FILTER]`: how fast grains fall, how much
 //! memory they take, and how fast light travels among them, per CPU second of one core.
 
-use snowgrain_accel::{GrainGrid, SimdLevel, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, SimdLevel, Surfaces};
 use snowgrain_benches::{best_of, cpu_seconds, pile, world};
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::{DepositRule, GrainField, LatticeCell, LatticeKind, LatticeSettings};
@@ -64,7 +64,7 @@ fn deposit(name: &str, rule: DepositRule, depth: f64) {
         field.len() as f64 / seconds / 1e6,
         field.len(),
     );
-    let (seconds, world) = best_of(2, || world(&field, 1.31));
+    let (seconds, world) = best_of(2, || world(&field, 1.31, Packing::Fast));
     println!(
         "{name:<28} packing       {:8.2} M grains/CPU-s  {:.1} bytes a grain",
         field.len() as f64 / seconds / 1e6,

@@ -3,7 +3,7 @@
 //! Machines are noisy: rates are per CPU second of this process, each the best of a few runs, and
 //! figures are compared within one run only.
 
-use snowgrain_accel::{GrainGrid, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, GrainField, Radii, Snowfall};
 use snowgrain_math::DVec3;
@@ -74,9 +74,9 @@ pub fn pile(rule: DepositRule, grains: u64, layers: f64) -> (GrainField, [f64; 2
 /// # Panics
 /// If they cannot be packed.
 #[must_use]
-pub fn world(field: &GrainField, eta: f64) -> World {
+pub fn world(field: &GrainField, eta: f64, packing: Packing) -> World {
     let surfaces = Surfaces::default();
-    let grid = GrainGrid::build(field.quantisation, &field.grains(), &surfaces)
+    let grid = GrainGrid::build(field.quantisation, &*field.grains(), &surfaces, packing)
         .expect("equal grains can be packed");
     World { grid, surfaces, albedos: Vec::new(), eta }
 }

@@ -5,7 +5,9 @@
 
 #![expect(clippy::unwrap_used, reason = "what cannot go on fails the test")]
 
-use snowgrain_accel::{GrainGrid, GridError, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_accel::{
+    GrainGrid, GridError, Packing as Density, SimdLevel, SurfaceShape, Surfaces,
+};
 use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain, TriangleMesh, teapot};
 use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, GrainField, LatticeCell, LatticeKind, LatticeSettings,
@@ -46,6 +48,7 @@ struct Case {
     objects: Vec<(SurfaceShape, OracleShape, [f32; 3])>,
     starts: Starts,
     packing: Packing,
+    density: Density,
 }
 
 /// A point on the unit sphere.
@@ -115,7 +118,14 @@ impl Case {
 
     fn of_field(field: GrainField, starts: Starts) -> Self {
         let (quantisation, grains) = (field.quantisation, field.into_grains());
-        Self { grains, quantisation, objects: Vec::new(), starts, packing: Packing::Cells }
+        Self {
+            grains,
+            quantisation,
+            objects: Vec::new(),
+            starts,
+            packing: Packing::Cells,
+            density: Density::Fast,
+        }
     }
 
     /// Periods, metres.
@@ -134,9 +144,9 @@ impl Case {
         let surfaces = Surfaces::new(&shapes);
         let quantisation = self.quantisation;
         let grid = match &self.packing {
-            Packing::Cells => GrainGrid::build(quantisation, &self.grains, &surfaces),
+            Packing::Cells => GrainGrid::build(quantisation, &self.grains, &surfaces, self.density),
             Packing::Periodic(period) => {
-                GrainGrid::build_periodic(quantisation, &self.grains, *period)
+                GrainGrid::build_periodic(quantisation, &self.grains, *period, self.density)
             }
             Packing::Lattice(cell) => {
                 let packed = snowgrain_accel::LatticeCell {
@@ -295,8 +305,31 @@ fn separate_grains_agree_with_the_oracle() {
 #[test]
 fn overlapping_grains_of_many_sizes_agree_with_the_oracle() {
     let grains = packs::strewn(400, DVec3::splat(6.0), [0.1, 0.9], 3);
-    Case::new(&grains, 0.9, Starts::Around { center: DVec3::splat(3.0), outer: 10.0, inner: 3.0 })
-        .agrees_with_oracle(20_000);
+    let mut case = Case::new(
+        &grains,
+        0.9,
+        Starts::Around { center: DVec3::splat(3.0), outer: 10.0, inner: 3.0 },
+    );
+    case.agrees_with_oracle(20_000);
+    case.density = Density::Compact;
+    case.agrees_with_oracle(20_000);
+}
+
+/// A heap of dust around and within two grains of a hundred times its radius: cells are far smaller
+/// than the large grains.
+#[test]
+fn grains_of_sizes_1_to_100_agree_with_the_oracle() {
+    let mut grains = packs::strewn(3000, DVec3::splat(0.4), [0.01, 0.02], 3);
+    for grain in &mut grains {
+        grain.center += DVec3::new(0.8, 0.3, -0.2);
+    }
+    grains.push(Grain { center: DVec3::ZERO, radius: 1.0 });
+    grains.push(Grain { center: DVec3::new(1.9, 0.3, 0.0), radius: 1.0 });
+    let starts = Starts::Around { center: DVec3::new(1.0, 0.5, 0.0), outer: 4.0, inner: 0.5 };
+    let mut case = Case::new(&grains, 1.0, starts);
+    case.agrees_with_oracle(50_000);
+    case.density = Density::Compact;
+    case.agrees_with_oracle(50_000);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Light must not slip past surfaces where two structures meet: each test is named after a leak that
 //! there once was.
 
-use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DAffine3, DVec3, Ray, frame};
@@ -52,7 +52,8 @@ fn world(
     albedo: f32,
 ) -> World {
     let surfaces = Surfaces::new(&[(shape, transform)]);
-    let grid = GrainGrid::build(*quantisation, grains, &surfaces).expect("few grains");
+    let grid =
+        GrainGrid::build(*quantisation, grains, &surfaces, Packing::Fast).expect("few grains");
     World { grid, surfaces, albedos: vec![[albedo; 3]], eta: 1.31 }
 }
 
@@ -80,7 +81,7 @@ fn a_wall_just_outside_the_grid_is_met_behind_empty_bricks() {
 fn a_floor_at_the_faces_of_cells_is_met() {
     let centers = [DVec3::ZERO, DVec3::new(20.0, 12.0, 20.0), DVec3::new(-20.0, 0.0, -20.0)];
     let grains = quantised(&centers, 0.5);
-    let empty = GrainGrid::build(grains.0, &grains.1, &Surfaces::default()).unwrap();
+    let empty = GrainGrid::build(grains.0, &grains.1, &Surfaces::default(), Packing::Fast).unwrap();
     for cells in 1..5 {
         let y = empty.bounds().min.y + f64::from(cells) * empty.cell_edges().y;
         let floor = DAffine3::from_translation(DVec3::Y * y);
@@ -95,7 +96,11 @@ fn a_floor_at_the_face_of_the_grid_sends_light_back_into_the_snow() {
     let centers: Vec<_> =
         packs::simple_cubic([20, 1, 20], 0.5).iter().map(|grain| grain.center).collect();
     let grains = quantised(&centers, 0.5);
-    let face = GrainGrid::build(grains.0, &grains.1, &Surfaces::default()).unwrap().bounds().min.y;
+    let face = GrainGrid::build(grains.0, &grains.1, &Surfaces::default(), Packing::Fast)
+        .unwrap()
+        .bounds()
+        .min
+        .y;
     let visits = |y: f64| {
         let floor = DAffine3::from_translation(DVec3::Y * y);
         let world = world(&grains, SurfaceShape::Plane, floor, 0.9);

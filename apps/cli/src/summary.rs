@@ -4,6 +4,7 @@ use crate::budget::readable_bytes;
 use crate::process::{self, Spent};
 use serde::Serialize;
 use snowgrain_grains::DepositReport;
+use snowgrain_render::description::Packing;
 use snowgrain_render::{BuildReport, BuildStage, Statistics};
 
 /// Time that the stages of a build took.
@@ -50,6 +51,8 @@ pub(crate) struct RunFigures {
     /// Of all pixels, linear; `None` where no pass was completed.
     pub(crate) mean_radiance: Option<[f64; 3]>,
     pub(crate) snowfalls: Vec<Option<SnowfallFigures>>,
+    /// How grains were packed: "fast" or "compact".
+    pub(crate) packing: &'static str,
     pub(crate) threads: usize,
     pub(crate) simd: String,
     pub(crate) version: &'static str,
@@ -87,6 +90,7 @@ pub(crate) struct Run<'a> {
     pub(crate) samples_per_pixel: u64,
     pub(crate) complete: bool,
     pub(crate) mean_radiance: Option<[f64; 3]>,
+    pub(crate) packing: Packing,
     pub(crate) threads: usize,
     pub(crate) simd: String,
 }
@@ -116,6 +120,10 @@ impl Run<'_> {
             rays: counts.rays,
             mean_radiance: self.mean_radiance,
             snowfalls: snowfalls(&report.snowfalls),
+            packing: match self.packing {
+                Packing::Fast => "fast",
+                Packing::Compact => "compact",
+            },
             threads: self.threads,
             simd: self.simd.clone(),
             version: env!("CARGO_PKG_VERSION"),

@@ -12,7 +12,7 @@ pub mod simd;
 pub mod surfaces;
 
 pub use flight::{Flight, FlightEvent};
-pub use grain_grid::{GrainGrid, GridError, GridPosition, LatticeCell};
+pub use grain_grid::{GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing};
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,
     RegionLayout, StackRegion,

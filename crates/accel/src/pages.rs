@@ -3,15 +3,6 @@
 //! Light reads blocks all over the snow: with pages of 4 KiB nearly every read would first have to
 //! find its page.
 
-/// `count` times `item`, in large pages where the system has them.
-pub(crate) fn filled<T: Clone>(count: usize, item: T) -> Vec<T> {
-    let mut items = Vec::with_capacity(count);
-    // Before the memory is first written: then it comes in large pages at once.
-    prefer_large_pages(items.spare_capacity_mut());
-    items.resize(count, item);
-    items
-}
-
 fn prefer_large_pages<T>(items: &mut [T]) {
     #[cfg(target_os = "linux")]
     {
@@ -39,4 +30,12 @@ fn prefer_large_pages<T>(items: &mut [T]) {
     }
     #[cfg(not(target_os = "linux"))]
     let _ = items;
+}
+
+/// `count` items of zero bytes, in large pages where the system has them; a page comes when it is
+/// first written, so that several threads can share that work.
+pub(crate) fn zeroed<T: bytemuck::Zeroable>(count: usize) -> Vec<T> {
+    let mut items = bytemuck::allocation::zeroed_vec(count);
+    prefer_large_pages(&mut items);
+    items
 }

@@ -1,6 +1,7 @@
 //! A scene as plain data: what a scene file means once units are converted, references loaded and
 //! defaults filled in. [`crate::Scene::build`] turns it into what light can travel through.
 
+pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
 use snowgrain_math::{DAffine3, DVec3};
@@ -23,6 +24,8 @@ pub struct SceneDescription {
     pub snow: Vec<SnowDescription>,
     /// How light is traced.
     pub integrator: IntegratorKind,
+    /// How densely grains are packed for light; `None`: fast, where nothing else decides.
+    pub packing: Option<Packing>,
 }
 
 /// Size and sampling of the picture.

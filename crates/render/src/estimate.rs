@@ -1,7 +1,9 @@
 //! What a scene will cost, before anything of it is made.
 
 use crate::camera::Camera;
-use crate::description::{ObjectDescription, ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{
+    ObjectDescription, ObjectShape, Packing, SceneDescription, SnowDescription,
+};
 use core::f64::consts::PI;
 use snowgrain_film::{PixelRect, PixelSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
@@ -15,7 +17,9 @@ use std::sync::Arc;
 /// Bytes a grain of the packed grid: measured 58 to 74 in the built-in scenes and the benchmarks, more
 /// where grains lie in fewer than about 10^5. The structure that grains fall on takes less (about 20)
 /// and is gone before they are packed. Taken high: it decides whether a scene is let in.
-const GRID_BYTES_PER_GRAIN: f64 = 110.0;
+const FAST_BYTES_PER_GRAIN: f64 = 110.0;
+/// The same of the compact packing, measured 26 to 37.
+const COMPACT_BYTES_PER_GRAIN: f64 = 60.0;
 /// Bytes a grain while it falls and is measured: the stacks, the list made of them, and a copy.
 const FALL_BYTES_PER_GRAIN: f64 = 24.0;
 /// Edges of the packed grid's cells and bricks where snow is thin (`snowgrain_accel::GrainGrid`).
@@ -90,7 +94,7 @@ impl CostEstimate {
                 SnowDescription::Grains(field) => (field.len() as f64, field.bounds()),
             };
             bounds = bounds.union(&body);
-            cost.add_snow(snow, grains);
+            cost.add_snow(snow, grains, description.packing.unwrap_or_default());
             cost.add_cells(grains, &body, radius_of(snow));
         }
         if implicit(description, &objects) {
@@ -106,7 +110,7 @@ impl CostEstimate {
     #[must_use]
     pub fn of_grains(grains: u64) -> Self {
         let mut cost = Self::default();
-        cost.add_grains(grains as f64, size_of::<QuantisedGrain>() as f64, 0.0);
+        cost.add_grains(grains as f64, size_of::<QuantisedGrain>() as f64, 0.0, Packing::Fast);
         cost
     }
 
@@ -138,20 +142,24 @@ impl CostEstimate {
         self.grain_bytes += (4.0 * bricks + BYTES_PER_BRICK * held) as u64;
     }
 
-    fn add_snow(&mut self, snow: &SnowDescription, grains: f64) {
+    fn add_snow(&mut self, snow: &SnowDescription, grains: f64, packing: Packing) {
         let grain = size_of::<QuantisedGrain>() as f64;
         // What was placed is held once more while it becomes part of the snow.
         let (held, falling) = match snow {
             SnowDescription::Deposit(settings) => (grain, seconds_to_fall(settings.rule)),
             SnowDescription::Lattice(_) | SnowDescription::Grains(_) => (2.0 * grain, 0.0),
         };
-        self.add_grains(grains, held, falling);
+        self.add_grains(grains, held, falling, packing);
     }
 
     /// Grains that are held in `held` bytes each while they are packed, after `falling` seconds each.
-    fn add_grains(&mut self, grains: f64, held: f64, falling: f64) {
+    fn add_grains(&mut self, grains: f64, held: f64, falling: f64, packing: Packing) {
+        let each = match packing {
+            Packing::Fast => FAST_BYTES_PER_GRAIN,
+            Packing::Compact => COMPACT_BYTES_PER_GRAIN,
+        };
         self.grains = self.grains.saturating_add(grains as u64);
-        self.grain_bytes = self.grain_bytes.saturating_add((grains * GRID_BYTES_PER_GRAIN) as u64);
+        self.grain_bytes = self.grain_bytes.saturating_add((grains * each) as u64);
         self.building_bytes = self.building_bytes.saturating_add((grains * held) as u64);
         self.build_seconds += grains * (falling + SECONDS_PER_PACKED_GRAIN);
     }
@@ -317,6 +325,7 @@ mod tests {
             objects,
             snow,
             integrator: IntegratorKind::Grains,
+            packing: None,
         }
     }
 

@@ -188,9 +188,10 @@ fn build_grid(
     let field = fall(description, surfaces, level, report, stage)?;
     stage(BuildStage::Packing);
     let quantisation = field.quantisation;
+    let packing = description.packing.unwrap_or_default();
     let grains = field.into_grains();
-    let grid = GrainGrid::build(quantisation, &grains, surfaces)?;
-    let digest = GrainDigest::new(quantisation, grains.into_iter());
+    let grid = GrainGrid::build(quantisation, &grains, surfaces, packing)?;
+    let digest = GrainDigest::new(quantisation, packing, grains.into_iter());
     Ok((grid, digest))
 }
 

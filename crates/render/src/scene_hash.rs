@@ -1,6 +1,6 @@
 //! A digest of everything that decides the pixels.
 
-use crate::description::{LightDescription, ObjectShape, SceneDescription};
+use crate::description::{LightDescription, ObjectShape, Packing, SceneDescription};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh};
 use snowgrain_grains::LatticeCell;
 use std::collections::HashMap;
@@ -26,10 +26,11 @@ impl GrainDigest {
         Self(*hash.0.finalize().as_bytes())
     }
 
-    /// Of all grains, in their order.
+    /// Of all grains, in their order, and their packing, in which light is rounded.
     #[must_use]
     pub(crate) fn new(
         quantisation: Quantisation,
+        packing: Packing,
         grains: impl Iterator<Item = QuantisedGrain>,
     ) -> Self {
         const BATCH: usize = 1 << 16;
@@ -49,6 +50,12 @@ impl GrainDigest {
         let origin = quantisation.origin();
         for value in [origin.x, origin.y, origin.z, quantisation.quantum()] {
             hasher.update(&value.to_le_bytes());
+        }
+        match packing {
+            Packing::Fast => {}
+            Packing::Compact => {
+                hasher.update(b"compact");
+            }
         }
         Self(*hasher.finalize().as_bytes())
     }

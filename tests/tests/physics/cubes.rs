@@ -40,6 +40,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
             density: None,
         })],
         integrator: IntegratorKind::Grains,
+        packing: None,
     }
 }
 

@@ -90,6 +90,7 @@ fn pile(
             Some([-half, -half, half, half]),
         ))],
         integrator: IntegratorKind::Grains,
+        packing: None,
     }
 }
 

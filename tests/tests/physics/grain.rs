@@ -1,7 +1,7 @@
 //! One grain in parallel light.
 
 use crate::{ETA, assert_agrees, samples, world};
-use snowgrain_accel::{GrainGrid, SimdLevel, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, SimdLevel, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, trig};
@@ -51,7 +51,8 @@ fn means<const K: usize>(
 ) -> [Estimate; K] {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, RADIUS);
     let grain = quantisation.round(DVec3::ZERO, RADIUS).unwrap();
-    let grid = GrainGrid::build(quantisation, &[grain], &Surfaces::default()).unwrap();
+    let grid =
+        GrainGrid::build(quantisation, &[grain], &Surfaces::default(), Packing::Fast).unwrap();
     let mut world = world(grid);
     world.eta = eta;
     let mut beam = Beam { next: 0, end: paths, values, sums: [[0.0; 2]; K] };

@@ -12,7 +12,7 @@ mod grain;
 mod pictures;
 mod slabs;
 
-use snowgrain_accel::{GrainGrid, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::{GrainField, LatticeCell, LatticeKind, LatticeSettings};
 use snowgrain_math::DVec3;
@@ -66,5 +66,8 @@ fn lattice(kind: LatticeKind, counts: [u32; 3], periodic: [bool; 3]) -> World {
 /// Grains that repeat along x and z with these periods, metres.
 fn periodic(field: &GrainField, period: [f64; 2]) -> World {
     let quanta = period.map(|p| (p / field.quantisation.quantum()).round() as i64);
-    world(GrainGrid::build_periodic(field.quantisation, &field.grains(), quanta).unwrap())
+    world(
+        GrainGrid::build_periodic(field.quantisation, &*field.grains(), quanta, Packing::Fast)
+            .unwrap(),
+    )
 }

@@ -57,6 +57,11 @@ pub(crate) struct RenderArguments {
     #[arg(long)]
     pub(crate) furnace: bool,
 
+    /// How grains are packed for light, instead of the scene's: fast, or compact (less memory)
+    /// [default: fast; compact where only that fits into --max-memory]
+    #[arg(long, value_name = "PACKING", value_parser = ["fast", "compact"])]
+    pub(crate) packing: Option<String>,
+
     /// Estimates grains, memory and time; nothing is made or traced
     #[arg(long, conflicts_with = "json_stats")]
     pub(crate) dry_run: bool,

@@ -17,7 +17,7 @@ use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Picture, PixelRect};
 use snowgrain_formats::{atomic, scene};
-use snowgrain_render::description::SceneDescription;
+use snowgrain_render::description::{Packing, SceneDescription};
 use snowgrain_render::{
     BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_with,
 };
@@ -35,9 +35,16 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     }
     let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);
     let interrupts = Interrupts::watch();
-    let loaded = load(arguments, &progress)?;
+    let mut loaded = load(arguments, &progress)?;
+    let crop = crop(arguments, &loaded.description)?;
+    let most = arguments.machine.max_memory;
+    if most.is_some_and(|most| pack_to_fit(&mut loaded.description, crop, most)) {
+        progress.note(
+            "grains are packed compactly to keep within --max-memory, which is slower; --packing \
+             fast or a higher limit prevents it",
+        );
+    }
     let description = &loaded.description;
-    let crop = crop(arguments, description)?;
     let cost = CostEstimate::of(description, crop);
     let budget = Budget::of_this_machine(arguments.machine.max_memory);
     let fits = budget.map_or(Ok(()), |budget| budget.check(&cost));
@@ -55,13 +62,29 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
     let (scene, times) = build(&loaded, &pool, level, &progress)?;
+    let packing = description.packing.unwrap_or_default();
     refuse_camera_in_ice(&scene, &loaded)?;
     let settings =
         RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
-    let task = Task { arguments, scene: &scene, settings, pool: &pool, started };
+    let task = Task { arguments, scene: &scene, packing, settings, pool: &pool, started };
     let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
+}
+
+/// Chooses the compact packing where the scene leaves the choice, and only that keeps within
+/// `most` bytes. Only a limit that was given may decide: what is free on a machine must not show in
+/// pixels.
+fn pack_to_fit(scene: &mut SceneDescription, crop: PixelRect, most: u64) -> bool {
+    if scene.packing.is_some() || CostEstimate::of(scene, crop).peak_bytes() <= most {
+        return false;
+    }
+    scene.packing = Some(Packing::Compact);
+    let fits = CostEstimate::of(scene, crop).peak_bytes() <= most;
+    if !fits {
+        scene.packing = None;
+    }
+    fits
 }
 
 /// The scene with all options applied.
@@ -76,6 +99,9 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     if let Some(size) = arguments.size {
         changes.push(format!("film.width={}", size.width));
         changes.push(format!("film.height={}", size.height));
+    }
+    if let Some(packing) = &arguments.packing {
+        changes.push(format!("integrator.packing={packing}"));
     }
     let mut loaded = load::load(&arguments.scene, changes)?;
     for line in &loaded.assumptions {
@@ -179,6 +205,7 @@ struct Outcome {
 struct Task<'a> {
     arguments: &'a RenderArguments,
     scene: &'a Scene,
+    packing: Packing,
     settings: RenderSettings,
     pool: &'a ThreadPool,
     started: Instant,
@@ -248,6 +275,7 @@ impl Task<'_> {
             samples_per_pixel: samples,
             complete: rendered.complete,
             mean_radiance,
+            packing: self.packing,
             threads: self.pool.current_num_threads(),
             simd: self.settings.level.to_string(),
         }

@@ -35,7 +35,7 @@ impl GrainGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Surfaces;
+    use crate::{Packing, Surfaces};
     use snowgrain_geometry::Quantisation;
     use snowgrain_math::sampler::{PathKey, numbers};
 
@@ -49,7 +49,8 @@ mod tests {
                 quantisation.round(center, 0.25 + 0.25 * random(index, 1)[0]).unwrap()
             })
             .collect();
-        let grid = GrainGrid::build(quantisation, &grains, &Surfaces::default()).unwrap();
+        let grid =
+            GrainGrid::build(quantisation, &grains, &Surfaces::default(), Packing::Fast).unwrap();
         let mut inside = 0;
         for index in 0..20_000 {
             let point = DVec3::from_array(random(index, 2)) * DVec3::new(9.0, 9.0, 63.0) - 1.5;

@@ -14,17 +14,23 @@ mod build;
 mod inside;
 mod lattice_cells;
 mod packed_cells;
+mod packing;
+mod parts;
 mod sites;
+#[cfg(test)]
+mod tests;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
+pub use packing::Packing;
+pub use parts::{GrainParts, PartVisitor};
 pub(crate) use sites::{LatticeSites, SiteKind};
 
 use crate::Surfaces;
-use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_geometry::Quantisation;
 use snowgrain_math::{Aabb, DVec3, Ray};
 use thiserror::Error;
 
@@ -33,7 +39,7 @@ use thiserror::Error;
 pub enum GridError {
     /// More grains reach into one cell than an entry can count.
     #[error(
-        "{count} grains reach into one cell of {side} m; the grain sizes differ too much to be packed together (at most {most}): narrow the range of radii"
+        "{count} grains reach into one cell of {side} m (at most {most}), and smaller cells would take too much memory beside larger grains: narrow the range of radii, or use fewer of the smallest"
     )]
     CrowdedCell {
         /// Grains in the cell.
@@ -51,6 +57,9 @@ pub enum GridError {
         /// Most that can be numbered.
         most: usize,
     },
+    /// More grains than can be numbered.
+    #[error("the snow holds more than 4 294 967 295 grains: use fewer, larger grains")]
+    TooManyGrains,
     /// A period is not positive or cannot be cut into equal cells of a grain's size.
     #[error(
         "the period of the snow must be larger than the largest grain, and a multiple of a length of one to three of its radii in whole quanta"
@@ -71,7 +80,8 @@ pub enum GridError {
 
 /// What a cell holds: bit 31 tells that a surface passes through it, bits 28..31 hold the number of
 /// blocks less one, bits 0..28 the index of the first block. Block 0 is empty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct CellEntry(pub(crate) u32);
 
 impl CellEntry {
@@ -304,16 +314,21 @@ impl GrainGrid {
         }
     }
 
-    /// Packs grains into cells of a few of their radii.
+    /// Packs grains into cells, on the threads of the current pool; the result does not depend on
+    /// them.
+    ///
+    /// Cells are as large as the packing and the density of the snow want, and smaller where grains
+    /// of very different sizes need it; a cell within a large grain takes a block (128 bytes) too.
     ///
     /// # Errors
     /// Snow whose sizes or extent do not fit the structure.
-    pub fn build(
+    pub fn build<'a>(
         quantisation: Quantisation,
-        grains: &[QuantisedGrain],
+        grains: impl Into<GrainParts<'a>>,
         surfaces: &Surfaces,
+        packing: Packing,
     ) -> Result<Self, GridError> {
-        build::build(quantisation, grains, surfaces, None)
+        build::build(quantisation, grains.into(), surfaces, None, packing)
     }
 
     /// Packs grains that repeat along x and z with the given periods (quanta), over no surfaces.
@@ -323,12 +338,14 @@ impl GrainGrid {
     ///
     /// # Errors
     /// Snow whose sizes or extent do not fit the structure.
-    pub fn build_periodic(
+    pub fn build_periodic<'a>(
         quantisation: Quantisation,
-        grains: &[QuantisedGrain],
+        grains: impl Into<GrainParts<'a>>,
         period_quanta: [i64; 2],
+        packing: Packing,
     ) -> Result<Self, GridError> {
-        build::build(quantisation, grains, &Surfaces::default(), Some(period_quanta))
+        let surfaces = Surfaces::default();
+        build::build(quantisation, grains.into(), &surfaces, Some(period_quanta), packing)
     }
 
     /// A crystal lattice of `counts` conventional cells whose first has its low corner at the

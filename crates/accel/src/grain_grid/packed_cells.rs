@@ -1,7 +1,6 @@
 //! Where the blocks of arbitrary snow are found.
 
 use super::{CellEntry, GridError};
-use crate::pages;
 use crate::prefetch::prefetch;
 
 /// Cells along an edge of a brick.
@@ -24,15 +23,25 @@ impl PackedCells {
     /// Cells for a grid of `cells`, all empty.
     pub(crate) fn new(cells: [i32; 3]) -> Result<Self, GridError> {
         let bricks = cells.map(|n| (n + BRICK - 1) / BRICK);
+        let table = vec![0; Self::count_bricks(bricks)?];
+        Ok(Self::of(bricks, table, vec![CellEntry::EMPTY_BRICK; CELLS_PER_BRICK]))
+    }
+
+    /// How many bricks the table must number.
+    ///
+    /// # Errors
+    /// More than it can.
+    pub(crate) fn count_bricks(bricks: [i32; 3]) -> Result<usize, GridError> {
         let count = bricks.iter().map(|&n| n as u128).product::<u128>();
         if count >= MOST_BRICKS {
             return Err(GridError::TooSparse { bricks: count });
         }
-        Ok(Self {
-            bricks,
-            table: vec![0; count as usize],
-            entries: vec![CellEntry::EMPTY_BRICK; CELLS_PER_BRICK],
-        })
+        Ok(count as usize)
+    }
+
+    /// The table of all bricks and the entries that it numbers, those of brick 0 first.
+    pub(crate) fn of(bricks: [i32; 3], table: Vec<u32>, entries: Vec<CellEntry>) -> Self {
+        Self { bricks, table, entries }
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
@@ -74,43 +83,10 @@ impl PackedCells {
         self.entries[self.index(cell)]
     }
 
-    /// Gives a cell's brick its entries, in the order of [`Self::seal_bricks`].
-    pub(crate) fn touch(&mut self, cell: [i32; 3]) {
-        let brick = self.brick_of(cell);
-        self.table[brick] = 1;
-    }
-
-    /// Numbers the touched bricks in the order of the table, so that neighbours in space lie
-    /// together in memory whatever the order of the grains. `crossed_at_once` tells whether light may
-    /// cross a brick without contents in one step.
-    pub(crate) fn seal_bricks(&mut self, crossed_at_once: bool) {
-        let mut bricks = 1;
-        for brick in self.table.iter_mut().filter(|brick| **brick != 0) {
-            *brick = bricks;
-            bricks += 1;
-        }
-        let empty = if crossed_at_once { CellEntry::EMPTY_BRICK } else { CellEntry::EMPTY };
-        self.entries = pages::filled(bricks as usize * CELLS_PER_BRICK, CellEntry::EMPTY);
-        self.entries[..CELLS_PER_BRICK].fill(empty);
-    }
-
     /// The index of a cell's entry.
     #[inline(always)]
     pub(crate) fn index(&self, cell: [i32; 3]) -> usize {
         self.table[self.brick_of(cell)] as usize * CELLS_PER_BRICK + within_brick(cell)
-    }
-
-    pub(crate) fn entries(&self) -> &[CellEntry] {
-        &self.entries
-    }
-
-    pub(crate) fn entries_mut(&mut self) -> &mut [CellEntry] {
-        &mut self.entries
-    }
-
-    /// All bricks along each axis.
-    pub(crate) fn bricks(&self) -> [i32; 3] {
-        self.bricks
     }
 }
 

@@ -4,14 +4,14 @@ mod checks;
 mod objects;
 mod snow;
 
-use super::document::{IntegratorName, LightKind};
+use super::document::{IntegratorName, LightKind, PackingName};
 use super::{LoadError, SceneError, SceneFile};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_math::DVec3;
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
+    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
     SceneDescription,
 };
 use std::path::Path;
@@ -62,7 +62,11 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let integrator = match file.document.integrator.kind {
         IntegratorName::Grains => IntegratorKind::Grains,
     };
-    Ok(SceneDescription { film, camera, ice, lights, objects, snow, integrator })
+    let packing = file.document.integrator.packing.map(|name| match name {
+        PackingName::Fast => Packing::Fast,
+        PackingName::Compact => Packing::Compact,
+    });
+    Ok(SceneDescription { film, camera, ice, lights, objects, snow, integrator, packing })
 }
 
 fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use core::f64::consts::PI;
-use snowgrain_accel::{GrainGrid, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::{
     DepositSettings, GrainField, LatticeCell, LatticeKind, LatticeSettings, Snowfall,
@@ -154,8 +154,9 @@ pub(super) fn repeated(
 }
 
 fn periodic(field: &GrainField, quanta: [i64; 2], ior: f64) -> Result<MeasuredSnow, Failure> {
-    let grid = GrainGrid::build_periodic(field.quantisation, &field.grains(), quanta)
-        .map_err(RenderError::from)?;
+    let grid =
+        GrainGrid::build_periodic(field.quantisation, &*field.grains(), quanta, Packing::Fast)
+            .map_err(RenderError::from)?;
     let bounds = field.bounds();
     let [x, z] = quanta.map(|length| length as f64 * field.quantisation.quantum());
     let hull = Aabb::new(DVec3::new(0.0, bounds.min.y, 0.0), DVec3::new(x, bounds.max.y, z));
@@ -167,8 +168,9 @@ pub(super) fn body(field: &GrainField, ior: f64) -> Result<MeasuredSnow, Failure
     if field.is_empty() {
         return Err(Failure::bad_input("it holds no grains"));
     }
-    let grid = GrainGrid::build(field.quantisation, &field.grains(), &Surfaces::default())
-        .map_err(RenderError::from)?;
+    let grid =
+        GrainGrid::build(field.quantisation, &*field.grains(), &Surfaces::default(), Packing::Fast)
+            .map_err(RenderError::from)?;
     let sums = GrainSums::of_field(field);
     Ok(MeasuredSnow { world: world(grid, ior), sums, hull: field.bounds() })
 }

@@ -1,0 +1,126 @@
+//! What packing must keep: every grain in every cell that it reaches, flags as distances say, and one
+//! result for all threads.
+
+use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
+use super::build::{overlaps, reaches_cell};
+use super::{Block, GRAINS_PER_BLOCK, GrainGrid, GrainParts, Packing};
+use crate::Surfaces;
+use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_math::DVec3;
+use snowgrain_math::sampler::{PathKey, numbers};
+
+/// Grains with centres in a cube, radii between two bounds, quanta.
+fn strewn(count: u64, edge: f32, [least, most]: [f32; 2]) -> Vec<QuantisedGrain> {
+    let random = |index, event| numbers(PathKey::new(3, index, 0), event);
+    (0..count)
+        .map(|index| QuantisedGrain {
+            center: random(index, 0).map(|u| (u * edge - 0.4 * edge) as i32),
+            radius: (least + (most - least) * random(index, 1)[0].powi(4)) as u16,
+        })
+        .collect()
+}
+
+fn pack(grains: &[QuantisedGrain], period: Option<[i64; 2]>, packing: Packing) -> GrainGrid {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, 1.0);
+    match period {
+        None => GrainGrid::build(quantisation, grains, &Surfaces::default(), packing),
+        Some(period) => GrainGrid::build_periodic(quantisation, grains, period, packing),
+    }
+    .unwrap()
+}
+
+/// What every cell should list, in order: centre in cell quanta, radius.
+fn check_cells(grid: &GrainGrid, grains: &[QuantisedGrain]) {
+    let overlap = |index: usize| {
+        let QuantisedGrain { center, radius } = grains[index];
+        grains
+            .iter()
+            .enumerate()
+            .any(|(i, g)| i != index && overlaps(center, radius, g.center, g.radius))
+    };
+    let flags: Vec<u16> =
+        (0..grains.len()).map(|index| if overlap(index) { OVERLAPS } else { 0 }).collect();
+    let [nx, ny, nz] = grid.cells;
+    for (x, y, z) in
+        (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| (x, y, z))))
+    {
+        let cell = [x, y, z];
+        let mut wanted = Vec::new();
+        for (grain, flags) in grains.iter().zip(&flags) {
+            let center: [i32; 3] = std::array::from_fn(|axis| {
+                (i64::from(grain.center[axis])
+                    - grid.first[axis]
+                    - i64::from(cell[axis]) * i64::from(grid.side[axis])) as i32
+            });
+            if reaches_cell(center, grain.radius, grid.side) {
+                wanted.push((center.map(|c| (c + grid.margin) as u16), grain.radius | flags));
+            }
+        }
+        let entry = grid.entry(cell);
+        let blocks: &[Block] = &grid.blocks[entry.blocks()];
+        let listed: Vec<_> = blocks
+            .iter()
+            .flat_map(|b| (0..GRAINS_PER_BLOCK).map(|s| ([b.x[s], b.y[s], b.z[s]], b.radius[s])))
+            .filter(|(_, radius)| radius & RADIUS_MASK > 0)
+            .collect();
+        assert_eq!(listed, wanted, "cell {cell:?}");
+    }
+}
+
+#[test]
+fn every_cell_lists_what_reaches_it_and_flags_tell_overlaps() {
+    for (count, edge, radii) in [
+        (1, 10.0, [5000.0, 5000.0]),
+        (700, 60_000.0, [500.0, 5450.0]),
+        (900, 20_000.0, [54.0, 5450.0]),
+    ] {
+        let grains = strewn(count, edge, radii);
+        for packing in [Packing::Fast, Packing::Compact] {
+            check_cells(&pack(&grains, None, packing), &grains);
+        }
+    }
+}
+
+#[test]
+fn the_structure_does_not_depend_on_threads_or_parts() {
+    let grains = strewn(40_000, 200_000.0, [1000.0, 5450.0]);
+    let period = 4096 * 60;
+    let within: Vec<_> = strewn(5000, 100_000.0, [1000.0, 5450.0])
+        .into_iter()
+        .map(|g| QuantisedGrain { center: g.center.map(|c| c + 100_000), ..g })
+        .collect();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let each = |part: usize, visit: &mut dyn FnMut(QuantisedGrain)| {
+                grains.chunks(777).nth(part).unwrap().iter().for_each(|&grain| visit(grain));
+            };
+            let parts = GrainParts::Parts { count: grains.len().div_ceil(777), each: &each };
+            let quantisation = Quantisation::for_grains(DVec3::ZERO, 1.0);
+            [
+                pack(&grains, None, Packing::Fast),
+                pack(&within, Some([period; 2]), Packing::Compact),
+                GrainGrid::build(quantisation, parts, &Surfaces::default(), Packing::Fast).unwrap(),
+            ]
+        })
+    };
+    let reference = on(1);
+    assert_eq!(reference[0].blocks, reference[2].blocks);
+    assert!(reference[0].blocks.iter().all(|b| b.radius.iter().all(|r| r & MEETS_SURFACE == 0)));
+    for threads in [2, 7] {
+        for (grid, reference) in on(threads).iter().zip(&reference) {
+            assert_eq!(grid.blocks, reference.blocks);
+            assert_eq!(format!("{:?}", grid.storage), format!("{:?}", reference.storage));
+        }
+    }
+}
+
+/// Half of the volume in grains of a hundredth of the radius.
+#[test]
+fn cells_smaller_than_the_largest_grain_hold_heaps_of_the_smallest() {
+    let mut grains = strewn(30_000, 4000.0, [54.0, 55.0]);
+    grains.push(QuantisedGrain { center: [0, -6000, 0], radius: 5450 });
+    let grid = pack(&grains, None, Packing::Fast);
+    assert!(grid.side[0] < 5450);
+    assert_eq!(grid.grains(), 30_001);
+}
