@@ -65,7 +65,13 @@ const WIDE: Radii = Radii { mean: RADIUS, variation: RADIUS };
 fn variants(filters: &Filters) {
     for (name, rule, filled) in &RULES {
         let wanted = |variant: &str| filters.want(&format!("{name} {variant}"));
-        let fall = |wind, radii| Falls { rule: *rule, ground: Ground::Floor, filled: *filled, wind, radii };
+        let fall = |wind, radii| Falls {
+            rule: *rule,
+            ground: Ground::Floor,
+            filled: *filled,
+            wind,
+            radii,
+        };
         if *rule != DepositRule::Roll && wanted("wind") {
             fall(true, EQUAL).report(&format!("{name} wind 1e6"), 1_000_000, 1);
         }
@@ -151,9 +157,11 @@ fn hundred_to_one(name: &str, rule: DepositRule) {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, coarse.mean);
     let mut snow = Snowfall::on_level_floor(quantisation, [width; 2]).expect("it is wide");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
-    for (part, radii, grains) in
-        [("coarse", coarse, 50), ("fine on coarse", EQUAL, 1_000_000), ("coarse on fine", coarse, 50)]
-    {
+    for (part, radii, grains) in [
+        ("coarse", coarse, 50),
+        ("fine on coarse", EQUAL, 1_000_000),
+        ("coarse on fine", coarse, 50),
+    ] {
         let settings = DepositSettings {
             amount: Amount::Grains(grains),
             radii,
@@ -164,9 +172,8 @@ fn hundred_to_one(name: &str, rule: DepositRule) {
             area: None,
             seed: 0,
         };
-        let (cpu, _) = pool.install(|| {
-            cpu_seconds(|| snow.deposit(&settings).expect("grains come to rest"))
-        });
+        let (cpu, _) =
+            pool.install(|| cpu_seconds(|| snow.deposit(&settings).expect("grains come to rest")));
         println!(
             "{:<24} {grains} grains in {:.3} CPU-s, {:.2} us a grain",
             format!("{name} 100:1 {part}"),

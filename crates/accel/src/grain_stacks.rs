@@ -78,16 +78,9 @@ impl GrainStacks {
     ///
     /// # Errors
     /// [`GrainStacksError::AreaTooLarge`].
-    pub fn new(
-        plan: PlanRectangle,
-        side: u16,
-        drift: [f64; 2],
-    ) -> Result<Self, GrainStacksError> {
-        let mut stacks = Self {
-            plan: Plan::new(plan.min, side, false, drift),
-            tiles: Vec::new(),
-            names: 0,
-        };
+    pub fn new(plan: PlanRectangle, side: u16, drift: [f64; 2]) -> Result<Self, GrainStacksError> {
+        let mut stacks =
+            Self { plan: Plan::new(plan.min, side, false, drift), tiles: Vec::new(), names: 0 };
         stacks.cover(plan)?;
         Ok(stacks)
     }
@@ -238,7 +231,11 @@ impl GrainStacks {
     ///
     /// # Errors
     /// [`GrainStacksError::AreaTooLarge`]; the store is unchanged.
-    pub fn cover_grain(&mut self, grain: QuantisedGrain, reach: i32) -> Result<(), GrainStacksError> {
+    pub fn cover_grain(
+        &mut self,
+        grain: QuantisedGrain,
+        reach: i32,
+    ) -> Result<(), GrainStacksError> {
         let [x, z] = self.plan.on_plan(grain);
         let at = [x, z].map(|c| c.clamp(i32::MIN.into(), i32::MAX.into()) as i32);
         self.cover(PlanRectangle {
@@ -311,8 +308,9 @@ impl GrainStacks {
             let [first_column, first_row] = self.plan.first;
             let corner = self.plan.corner(first_column + column, first_row + row);
             tile.blocks_from(cell.newest).flat_map(move |(_, block)| {
-                (0..block.count())
-                    .map(move |lane| self.plan.in_first_period(self.plan.grain(block, lane, corner)))
+                (0..block.count()).map(move |lane| {
+                    self.plan.in_first_period(self.plan.grain(block, lane, corner))
+                })
             })
         })
     }

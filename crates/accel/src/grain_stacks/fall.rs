@@ -197,7 +197,8 @@ fn search_quad<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
     let mut width = LANES / 2;
     while width > 0 {
         for lane in 0..width {
-            most[lane] = if most[lane + width] > most[lane] { most[lane + width] } else { most[lane] };
+            most[lane] =
+                if most[lane + width] > most[lane] { most[lane + width] } else { most[lane] };
         }
         width /= 2;
     }

@@ -173,7 +173,8 @@ fn brute_leaning_contact(
         .flat_map(|&g| images(g, period))
         .filter_map(|g| {
             let reach = f64::from(g.radius) + fall.radius;
-            let offset = DVec3::new(fall.x, 0.0, fall.z) - DVec3::from_array(g.center.map(f64::from));
+            let offset =
+                DVec3::new(fall.x, 0.0, fall.z) - DVec3::from_array(g.center.map(f64::from));
             let (a, b) = (line.length_squared(), offset.dot(line));
             let nearest = (offset - line * (b / a)).length_squared();
             let square = (reach * reach - nearest) / a;
@@ -217,7 +218,9 @@ fn leaning_falls_equal_a_search_of_all_grains() {
                         // A period of ten cells has images beyond the nine that are asked.
                         let near = |(f, e): (f64, f64)| (f - e).abs() < 1e-3 || periodic && f > e;
                         assert!(
-                            found.zip(expected).map_or(found.is_none() == expected.is_none() || periodic, near),
+                            found
+                                .zip(expected)
+                                .map_or(found.is_none() == expected.is_none() || periodic, near),
                             "{found:?} {expected:?} {drift:?}"
                         );
                         met += usize::from(found.is_some());
@@ -261,7 +264,8 @@ fn regions_own_every_grain_once_and_pops_take_the_newest() {
                 let [x, _, z] = grain.center.map(f64::from);
                 let home = layout.home(x, z).unwrap();
                 regions[home].push(*grain).unwrap();
-                let owners = regions.iter_mut().map(|r| usize::from(r.push(*grain).is_ok())).sum::<usize>();
+                let owners =
+                    regions.iter_mut().map(|r| usize::from(r.push(*grain).is_ok())).sum::<usize>();
                 assert_eq!(owners, 1);
             }
             drop(regions);

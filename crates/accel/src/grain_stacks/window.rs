@@ -26,7 +26,8 @@ impl Frame {
     #[inline(always)]
     pub(super) fn tile_index(&self, place: [i32; 2]) -> Option<usize> {
         let (column, row) = (place[0] - self.first[0], place[1] - self.first[1]);
-        let inside = (column as u32) < self.counts[0] as u32 && (row as u32) < self.counts[1] as u32;
+        let inside =
+            (column as u32) < self.counts[0] as u32 && (row as u32) < self.counts[1] as u32;
         inside.then(|| ((row >> TILE_BITS) * self.tile_columns + (column >> TILE_BITS)) as usize)
     }
 }
@@ -63,9 +64,8 @@ impl Quad {
     /// Whether these cells are all that a fall may touch.
     #[inline(always)]
     pub(super) fn is_all(&self) -> bool {
-        let outside = self
-            .spans
-            .map(|s| i32::from(s.low < s.nearest) | i32::from(s.high > s.nearest + 1));
+        let outside =
+            self.spans.map(|s| i32::from(s.low < s.nearest) | i32::from(s.high > s.nearest + 1));
         outside[0] | outside[1] == 0
     }
 
@@ -83,15 +83,15 @@ impl<'a, T: Borrow<Tile>> Window<'a, T> {
     pub(super) fn quad(&self, x: f64, z: f64, reach: f64) -> Quad {
         let spans = [self.plan.span(x, reach, 0), self.plan.span(z, reach, 1)];
         let [column, row] = spans.map(|span| span.nearest);
-        let [c, r] = [0, 1].map(|axis| spans[axis].nearest - self.plan.first[axis] - self.frame.first[axis]);
+        let [c, r] =
+            [0, 1].map(|axis| spans[axis].nearest - self.plan.first[axis] - self.frame.first[axis]);
         let [columns, rows] = self.frame.counts.map(|count| count - 1);
         if (c as u32) < columns as u32 && (r as u32) < rows as u32 {
             // All four lie in the window as they are.
             let last = TILE_EDGE - 1;
             let along_x = [c, c + 1].map(|c| (c >> TILE_BITS, c & last));
-            let along_z = [r, r + 1].map(|r| {
-                ((r >> TILE_BITS) * self.frame.tile_columns, (r & last) << TILE_BITS)
-            });
+            let along_z = [r, r + 1]
+                .map(|r| ((r >> TILE_BITS) * self.frame.tile_columns, (r & last) << TILE_BITS));
             let cells = std::array::from_fn(|which| {
                 let (x, z) = (along_x[which & 1], along_z[which >> 1]);
                 ((x.0 + z.0) as u32, (x.1 | z.1) as u32)

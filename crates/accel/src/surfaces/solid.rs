@@ -56,10 +56,7 @@ impl Solid {
 
     /// The same solid turned about the origin.
     pub(super) fn turned(&self, turn: &DMat3) -> Self {
-        let transform = DAffine3 {
-            matrix3: *turn * self.matrix,
-            translation: *turn * self.center,
-        };
+        let transform = DAffine3 { matrix3: *turn * self.matrix, translation: *turn * self.center };
         match self.shape {
             Shape::Sphere(_) => Self::sphere(self.object, &transform),
             Shape::Box(_) => Self::cuboid(self.object, &transform),

@@ -14,9 +14,7 @@ use super::rules::{Drop, Fate, Start};
 use super::{DepositReport, Falling};
 use crate::GrainsError;
 use rayon::prelude::*;
-use snowgrain_accel::{
-    GrainStacks, GrainStacksError, Quad, RegionEdge, RegionLayout, StackRegion,
-};
+use snowgrain_accel::{GrainStacks, GrainStacksError, Quad, RegionEdge, RegionLayout, StackRegion};
 use snowgrain_geometry::QuantisedGrain;
 
 /// Drops of a batch for each cell that they fall on: few enough that few of them wait.
@@ -124,8 +122,13 @@ impl Falling<'_> {
         let drops = most.min(self.batch_size(&layout));
         let first = self.drops;
         let drop = &self.drop;
-        let entry = |number: u64| Entry { number: number as u32, start: drop.start(first + number) };
-        let mut tally = if self.sequential || layout.len() < 2 || (drops as usize) < FEW_DROPS || !drop.is_local() {
+        let entry =
+            |number: u64| Entry { number: number as u32, start: drop.start(first + number) };
+        let mut tally = if self.sequential
+            || layout.len() < 2
+            || (drops as usize) < FEW_DROPS
+            || !drop.is_local()
+        {
             let mut tally = Tally::default();
             let entries: Vec<Entry> = (0..drops).map(entry).collect();
             one_by_one(drop, self.stacks, &self.others, &entries, &mut tally);
@@ -145,7 +148,11 @@ impl Falling<'_> {
             tally
         };
         let since = &mut self.drops_since_success;
-        *since = if tally.after_success > 0 { drops - u64::from(tally.after_success) } else { *since + drops };
+        *since = if tally.after_success > 0 {
+            drops - u64::from(tally.after_success)
+        } else {
+            *since + drops
+        };
         self.drops += drops;
         self.report.accepted += tally.report.accepted;
         self.report.discarded += tally.report.discarded;

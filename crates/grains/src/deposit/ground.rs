@@ -126,7 +126,9 @@ impl<'a> Ground<'a> {
     ) -> Result<GrainStacks, GrainStacksError> {
         match &self.kind {
             GroundKind::Surfaces { .. } => GrainStacks::new(plan, side, drift),
-            GroundKind::LevelFloor { counts, side } => GrainStacks::periodic([0, 0], *counts, *side, drift),
+            GroundKind::LevelFloor { counts, side } => {
+                GrainStacks::periodic([0, 0], *counts, *side, drift)
+            }
         }
     }
 
@@ -172,10 +174,12 @@ impl<'a> Ground<'a> {
                 let start = from.min(f64::from(Quantisation::MAX_COORDINATE));
                 if let Some(lean) = &self.lean {
                     let start = origin + self.point(x, z, start) * quantum;
-                    return lean.drop_sphere(start, radius * quantum).and_then(|(center, normal)| {
-                        let height = (center.y - origin.y) / quantum;
-                        (height > down_to).then_some(GroundContact { height, normal })
-                    });
+                    return lean.drop_sphere(start, radius * quantum).and_then(
+                        |(center, normal)| {
+                            let height = (center.y - origin.y) / quantum;
+                            (height > down_to).then_some(GroundContact { height, normal })
+                        },
+                    );
                 }
                 let contact = surfaces.drop_sphere(
                     origin.x + x * quantum,

@@ -82,8 +82,7 @@ fn any_number_of_threads_gives_the_grains_of_one_drop_after_another() {
 fn threads_do_not_show_in_snow_that_the_wind_drives() {
     for under in [Under::PeriodicFloor, Under::Sphere, Under::Mesh] {
         for rule in [DepositRule::Ray, DepositRule::Stick] {
-            let wanted =
-                DepositSettings { direction: [0.7, -1.0, -0.4], ..settings(rule, 12_000) };
+            let wanted = DepositSettings { direction: [0.7, -1.0, -0.4], ..settings(rule, 12_000) };
             let expected = fallen(under, &wanted, 0);
             assert!(fallen(under, &wanted, 3) == expected, "{rule:?} on {under:?}");
         }
@@ -92,10 +91,7 @@ fn threads_do_not_show_in_snow_that_the_wind_drives() {
 
 #[test]
 fn a_depth_is_reached_with_the_same_grains_by_any_number_of_threads() {
-    let deep = DepositSettings {
-        amount: Amount::Depth(6.0 * R),
-        ..settings(DepositRule::Ray, 1)
-    };
+    let deep = DepositSettings { amount: Amount::Depth(6.0 * R), ..settings(DepositRule::Ray, 1) };
     let expected = fallen(Under::PeriodicFloor, &deep, 0);
     assert!(fallen(Under::PeriodicFloor, &deep, 2) == expected);
 }
