@@ -52,6 +52,10 @@ impl Lean {
     }
 }
 
+/// Cells of a floor that repeats can be halved until they are this many times narrower, for grains
+/// that are smaller than the largest.
+const PARTS_OF_A_SIDE: f64 = 64.0;
+
 /// A contact with the ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroundContact {
@@ -94,7 +98,7 @@ impl<'a> Ground<'a> {
             }
         }
         // One side for both directions; the second period is rounded to it.
-        let side = (x / (x / least).floor()).round();
+        let side = (x / (x / least).floor() / PARTS_OF_A_SIDE).round() * PARTS_OF_A_SIDE;
         let counts = [x, z].map(|width| (width / side).round().max(1.0) as u16);
         let kind = GroundKind::LevelFloor { counts, side: side as u16 };
         Ok(Self { kind, lean: None })
@@ -117,7 +121,8 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// Stacks over `plan`, with cells of `side`; a periodic plan has its own.
+    /// Stacks over `plan`, with cells of `side`; those of a periodic plan divide its own cells into
+    /// equal parts that are at least as wide.
     pub(super) fn new_stacks(
         &self,
         plan: PlanRectangle,
@@ -126,8 +131,13 @@ impl<'a> Ground<'a> {
     ) -> Result<GrainStacks, GrainStacksError> {
         match &self.kind {
             GroundKind::Surfaces { .. } => GrainStacks::new(plan, side, drift),
-            GroundKind::LevelFloor { counts, side } => {
-                GrainStacks::periodic([0, 0], *counts, *side, drift)
+            GroundKind::LevelFloor { counts, side: whole } => {
+                let mut parts = 1;
+                while parts < PARTS_OF_A_SIDE as u16 && whole / (2 * parts) >= side {
+                    parts *= 2;
+                }
+                let counts = counts.map(|count| u32::from(count) * u32::from(parts));
+                GrainStacks::periodic([0, 0], counts, whole / parts, drift)
             }
         }
     }
