@@ -52,10 +52,6 @@ impl Lean {
     }
 }
 
-/// Cells of a floor that repeats can be halved until they are this many times narrower, for grains
-/// that are smaller than the largest.
-const PARTS_OF_A_SIDE: f64 = 64.0;
-
 /// A contact with the ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroundContact {
@@ -98,7 +94,7 @@ impl<'a> Ground<'a> {
             }
         }
         // One side for both directions; the second period is rounded to it.
-        let side = (x / (x / least).floor() / PARTS_OF_A_SIDE).round() * PARTS_OF_A_SIDE;
+        let side = (x / (x / least).floor()).round();
         let counts = [x, z].map(|width| (width / side).round().max(1.0) as u16);
         let kind = GroundKind::LevelFloor { counts, side: side as u16 };
         Ok(Self { kind, lean: None })
@@ -132,10 +128,9 @@ impl<'a> Ground<'a> {
         match &self.kind {
             GroundKind::Surfaces { .. } => GrainStacks::new(plan, side, drift),
             GroundKind::LevelFloor { counts, side: whole } => {
-                let mut parts = 1;
-                while parts < PARTS_OF_A_SIDE as u16 && whole / (2 * parts) >= side {
-                    parts *= 2;
-                }
+                let most = (whole / side.max(1)).max(1);
+                let divides = |parts: &u16| whole.is_multiple_of(*parts);
+                let parts = (1..=most).rev().find(divides).unwrap_or(1);
                 let counts = counts.map(|count| u32::from(count) * u32::from(parts));
                 GrainStacks::periodic([0, 0], counts, whole / parts, drift)
             }
