@@ -101,7 +101,7 @@ impl GrainStacks {
         if cells > MOST_CELLS {
             return Err(GrainStacksError::AreaTooLarge { cells });
         }
-        plan.counts = counts.map(|count| count.max(1) as i32);
+        plan.counts = counts.map(|count| count.max(1).cast_signed());
         let mut stacks = Self { plan, tiles: Vec::new(), names: 0 };
         let [columns, rows] = plan.tiles();
         stacks.tiles = (0..columns * rows).map(|_| stacks.new_tile()).collect();
