@@ -49,7 +49,7 @@ pub fn to_16_bit(picture: &Picture, exposure: f64) -> Result<Developed<u16>, Fil
     develop(picture, exposure, |x| (65535.0 * x).round() as u16)
 }
 
-fn develop<T>(
+fn develop<T: Copy>(
     picture: &Picture,
     exposure: f64,
     quantise: impl Fn(f64) -> T,
@@ -57,8 +57,16 @@ fn develop<T>(
     let [red, green, blue] = picture.colour()?;
     let gain = trig::pow(2.0, exposure);
     let mut values = Vec::with_capacity(3 * red.len());
+    let shown = |x: f32| quantise(srgb_from_linear(gain * f64::from(x)));
+    // Neighbouring values are often equal (grey, or a backdrop), and powers are slow.
+    let mut last = (0.0, shown(0.0));
     for ((&r, &g), &b) in red.iter().zip(green).zip(blue) {
-        values.extend([r, g, b].map(|x| quantise(srgb_from_linear(gain * f64::from(x)))));
+        values.extend([r, g, b].map(|x| {
+            if x != last.0 {
+                last = (x, shown(x));
+            }
+            last.1
+        }));
     }
     Ok(Developed { window: picture.window(), values })
 }

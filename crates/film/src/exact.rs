@@ -45,25 +45,38 @@ impl Wide {
         if mantissa == 0 {
             return Some(Self::default());
         }
-        if shift > 128 + mantissa.leading_zeros() {
-            return None;
-        }
+        (shift <= 128 + mantissa.leading_zeros()).then(|| Self::shifted(mantissa, shift))
+    }
+
+    /// `mantissa * 2^shift`, which must fit.
+    #[inline]
+    pub(crate) fn shifted(mantissa: u64, shift: u32) -> Self {
+        debug_assert!(shift <= 128 + mantissa.leading_zeros());
         let spread = u128::from(mantissa) << (shift % 64);
         let (low, high) = (spread as u64, (spread >> 64) as u64);
-        Some(match shift / 64 {
+        match shift / 64 {
             0 => Self([low, high, 0]),
             1 => Self([0, low, high]),
             _ => Self([0, 0, low]),
-        })
+        }
     }
 
     /// The sum modulo 2^192, and whether it overflows.
+    #[inline]
     pub(crate) fn overflowing_add(self, other: Self) -> (Self, bool) {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
         let (low, carry) = wide_pair(a, b).overflowing_add(wide_pair(x, y));
         let (top, first) = c.overflowing_add(z);
         let (top, second) = top.overflowing_add(u64::from(carry));
-        (Self([low as u64, (low >> 64) as u64, top]), first || second)
+        (Self([low as u64, (low >> 64) as u64, top]), first | second)
+    }
+
+    /// The difference modulo 2^192.
+    pub(crate) fn wrapping_sub(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        let (low, borrow) = wide_pair(a, b).overflowing_sub(wide_pair(x, y));
+        let top = c.wrapping_sub(z).wrapping_sub(u64::from(borrow));
+        Self([low as u64, (low >> 64) as u64, top])
     }
 }
 

@@ -1,6 +1,7 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
-use crate::{FilmError, FilmTile, PixelRect, PixelSums, SampleRanges};
+use crate::tile::add_rows;
+use crate::{FilmError, FilmTile, FilmTileMut, PixelRect, PixelSums, SampleRanges};
 use std::ops::Range;
 
 /// What decides the samples of a film, together with their indices.
@@ -90,7 +91,10 @@ impl Film {
     /// A tile that leaves the crop; sums that leave their range.
     pub fn merge_tile(&mut self, tile: &FilmTile) -> Result<(), FilmError> {
         let rect = tile.rect();
-        if !rect.is_empty() && !self.crop.encloses(&rect) {
+        if rect.is_empty() {
+            return Ok(());
+        }
+        if !self.crop.encloses(&rect) {
             return Err(FilmError::TileOutsideFilm { tile: rect, crop: self.crop });
         }
         self.add_pixels(rect, tile.pixels())
@@ -132,26 +136,31 @@ impl Film {
         differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())
     }
 
-    /// Adds row-major sums of `rect`, which lies inside the crop. Looks before it adds, so that a
-    /// failure leaves the film whole.
+    /// The pixels of the crop as tiles of at most `side` x `side`, as [`PixelRect::tiles`] orders them,
+    /// to be filled by several threads in place.
+    pub fn tiles_mut(&mut self, side: u32) -> Vec<FilmTileMut<'_>> {
+        let side = side.max(1);
+        let mut tiles: Vec<_> = self.crop.tiles(side).map(FilmTileMut::without_rows).collect();
+        let width = self.crop.width() as usize;
+        let across = width.div_ceil(side as usize);
+        for (row, pixels) in self.pixels.chunks_mut(width).enumerate() {
+            let first = row / side as usize * across;
+            let pieces = pixels.chunks_mut(side as usize);
+            tiles[first..].iter_mut().zip(pieces).for_each(|(tile, piece)| tile.rows.push(piece));
+        }
+        tiles
+    }
+
+    /// Adds row-major sums of `rect`, which lies inside the crop; on an error nothing is added.
     fn add_pixels(&mut self, rect: PixelRect, sums: &[PixelSums]) -> Result<(), FilmError> {
-        let crop = self.crop;
-        let at = |index: usize| {
-            let (x, y) = rect.pixel(index);
-            (x, y, (y - crop.y0) as usize * crop.width() as usize + (x - crop.x0) as usize)
-        };
-        for (index, added) in sums.iter().enumerate() {
-            let (x, y, target) = at(index);
-            if self.pixels[target].checked_add(added).is_none() {
-                return Err(FilmError::Overflow { x, y });
-            }
-        }
-        for (index, added) in sums.iter().enumerate() {
-            let (x, y, target) = at(index);
-            let sum = self.pixels[target].checked_add(added);
-            self.pixels[target] = sum.ok_or(FilmError::Overflow { x, y })?;
-        }
-        Ok(())
+        let width = self.crop.width() as usize;
+        let columns = (rect.x0 - self.crop.x0) as usize..(rect.x1 - self.crop.x0) as usize;
+        let rows = self.pixels.chunks_mut(width).skip((rect.y0 - self.crop.y0) as usize);
+        let mut rows: Vec<_> =
+            rows.take(rect.height() as usize).map(|row| &mut row[columns.clone()]).collect();
+        add_rows(&mut rows, sums.chunks(columns.len().max(1))).map_err(|(row, column)| {
+            FilmError::Overflow { x: rect.x0 + column as u32, y: rect.y0 + row as u32 }
+        })
     }
 }
 

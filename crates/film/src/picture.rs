@@ -91,24 +91,29 @@ impl Layer {
         Self::ALL.into_iter().find(|layer| layer.name() == name)
     }
 
-    fn of(self, sums: &PixelSums) -> f64 {
-        match self {
-            Self::R => sums.mean_radiance()[0],
-            Self::G => sums.mean_radiance()[1],
-            Self::B => sums.mean_radiance()[2],
-            Self::A => sums.mean_alpha(),
-            Self::AlbedoR => sums.mean_albedo()[0],
-            Self::AlbedoG => sums.mean_albedo()[1],
-            Self::AlbedoB => sums.mean_albedo()[2],
-            Self::NormalX => sums.mean_normal()[0],
-            Self::NormalY => sums.mean_normal()[1],
-            Self::NormalZ => sums.mean_normal()[2],
-            Self::Depth => sums.mean_depth(),
-            Self::VarianceR => sums.variance_of_mean()[0],
-            Self::VarianceG => sums.variance_of_mean()[1],
-            Self::VarianceB => sums.variance_of_mean()[2],
-            Self::SampleCount => sums.samples() as f64,
-        }
+    /// The values of [`Layer::ALL`] in a pixel.
+    fn all_of(sums: &PixelSums) -> [f64; 15] {
+        let [r, g, b] = sums.mean_radiance();
+        let [albedo_r, albedo_g, albedo_b] = sums.mean_albedo();
+        let [x, y, z] = sums.mean_normal();
+        let [variance_r, variance_g, variance_b] = sums.variance_of_mean();
+        [
+            r,
+            g,
+            b,
+            sums.mean_alpha(),
+            albedo_r,
+            albedo_g,
+            albedo_b,
+            x,
+            y,
+            z,
+            sums.mean_depth(),
+            variance_r,
+            variance_g,
+            variance_b,
+            sums.samples() as f64,
+        ]
     }
 }
 
@@ -152,13 +157,18 @@ impl Picture {
     /// More layers than memory.
     pub fn from_film(film: &Film) -> Result<Self, FilmError> {
         let mut picture = Self::new(film.width(), film.height(), film.crop())?;
-        for layer in Layer::ALL {
-            let mut values = Vec::new();
+        let mut layers = [const { Vec::<f32>::new() }; Layer::ALL.len()];
+        for values in &mut layers {
             values.try_reserve_exact(film.pixels().len()).map_err(|_| FilmError::TooLarge {
                 pixels: film.crop().area(),
                 bytes: u128::from(film.crop().area()) * 60,
             })?;
-            values.extend(film.pixels().iter().map(|sums| layer.of(sums) as f32));
+        }
+        for sums in film.pixels() {
+            let pixel = Layer::all_of(sums);
+            layers.iter_mut().zip(pixel).for_each(|(values, value)| values.push(value as f32));
+        }
+        for (layer, values) in Layer::ALL.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }
         picture.provenance = Some(Provenance {

@@ -4,7 +4,7 @@
 
 use proptest::prelude::*;
 use snowgrain_film::{
-    Film, FilmError, FilmIdentity, FilmTile, Layer, Picture, PixelRect, PixelSums, Sample,
+    Film, FilmError, FilmIdentity, FilmTile, Layer, Picture, PixelRect, PixelSums, Refusal, Sample,
     SampleFault,
 };
 
@@ -41,6 +41,47 @@ fn any_sample() -> impl Strategy<Value = Sample> {
         })
 }
 
+/// Values of every size that a film takes, the edges of its range, and some beyond.
+fn extreme() -> impl Strategy<Value = f32> {
+    let edges = [0.0, -0.0, 1.0, 256.0, 2.8e14, f32::INFINITY, f32::NAN, -1.0, f32::MIN_POSITIVE];
+    let small = (0u32..0x5780_0000).prop_map(f32::from_bits);
+    prop_oneof![4 => small, 2 => prop::sample::select(edges.to_vec()), 1 => any::<f32>(), 4 => 0.0..1.0f32]
+}
+
+fn extreme_sample() -> impl Strategy<Value = Sample> {
+    let guide =
+        || prop_oneof![8 => -1.0..=1.0f32, 3 => Just(0.0f32), 1 => -1e-6..1e-6f32, 1 => extreme()];
+    let positive = || guide().prop_map(f32::abs);
+    (
+        prop_oneof![extreme().prop_map(|x| [x; 3]), prop::array::uniform3(extreme())],
+        prop_oneof![4 => Just(1.0f32), 4 => Just(0.0f32), 1 => extreme()],
+        prop_oneof![Just([0.0f32; 3]), prop::array::uniform3(positive())],
+        prop_oneof![Just([0.0f32; 3]), prop::array::uniform3(guide())],
+        prop_oneof![Just(f32::INFINITY), 0.0..1e6f32, extreme()],
+    )
+        .prop_map(|(radiance, alpha, albedo, normal, depth)| Sample {
+            radiance,
+            alpha,
+            albedo,
+            normal,
+            depth,
+        })
+}
+
+/// Sums that are empty, that may be near the edges of their ranges, or that are in between.
+fn any_sums() -> impl Strategy<Value = PixelSums> {
+    let byte = prop_oneof![4 => Just(0xffu8), 4 => Just(0u8), 1 => Just(0x7fu8), 1 => any::<u8>()];
+    prop_oneof![
+        Just(PixelSums::default()),
+        prop::collection::vec(byte, PixelSums::BYTES)
+            .prop_map(|bytes| PixelSums::from_le_bytes(&bytes.try_into().unwrap())),
+        prop::collection::vec(any::<u64>(), PixelSums::BYTES / 8).prop_map(|words| {
+            let bytes: Vec<u8> = words.iter().flat_map(|word| (word >> 1).to_le_bytes()).collect();
+            PixelSums::from_le_bytes(&bytes.try_into().unwrap())
+        }),
+    ]
+}
+
 /// Samples 0..4 of every pixel of the crop.
 fn any_samples() -> impl Strategy<Value = Vec<[Sample; 4]>> {
     prop::collection::vec(prop::array::uniform4(any_sample()), CROP.area() as usize)
@@ -69,16 +110,87 @@ fn rendered(samples: &[[Sample; 4]], indices: &[usize], side: u32, backwards: bo
     film
 }
 
+/// The film of all samples, filled in place; the last sample of every pixel through other tiles.
+fn in_place(samples: &[[Sample; 4]], side: u32) -> Film {
+    let mut film = film();
+    let rects: Vec<PixelRect> = CROP.tiles(side).collect();
+    for (tile, rect) in film.tiles_mut(side).iter_mut().zip(rects) {
+        assert_eq!(tile.rect(), rect);
+        let mut last = FilmTile::new(rect).unwrap();
+        for at in 0..rect.area() as usize {
+            let (x, y) = rect.pixel(at);
+            let [first @ .., fourth] = &samples[CROP.index(x, y).unwrap()];
+            first.iter().for_each(|sample| tile.add(x, y, sample).unwrap());
+            last.add(x, y, fourth).unwrap();
+        }
+        tile.merge(&last).unwrap();
+        assert_eq!(tile.pixel(rect.x0, rect.y0).unwrap().samples(), 4);
+        assert!(matches!(tile.add(9, 9, &samples[0][0]), Err(FilmError::OutsideTile { .. })));
+    }
+    film.record_samples(0..4).unwrap();
+    film
+}
+
 proptest! {
     #[test]
     fn tiles_orders_and_splits_give_the_same_film(samples in any_samples(), side in 1u32..6) {
         let whole = rendered(&samples, &[0, 1, 2, 3], 64, false);
         prop_assert_eq!(&rendered(&samples, &[2, 0, 3, 1], side, true), &whole);
+        prop_assert_eq!(&in_place(&samples, side), &whole);
         let parts = [vec![0], vec![3, 1], vec![2]].map(|i| rendered(&samples, &i, side, false));
         for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
             let mut merged = film();
             order.iter().for_each(|&part: &usize| merged.merge(&parts[part]).unwrap());
             prop_assert_eq!(&merged, &whole);
+        }
+    }
+
+    #[test]
+    fn a_sample_adds_what_its_own_sums_add(
+        start in any_sums(),
+        samples in prop::collection::vec(extreme_sample(), 1..8),
+    ) {
+        let mut sums = start;
+        for sample in samples {
+            let before = sums;
+            let added = PixelSums::from_sample(&sample);
+            match sums.add_sample(&sample) {
+                Ok(()) => prop_assert_eq!(before.checked_add(&added.unwrap()), Some(sums)),
+                Err(Refusal::Overflow) => {
+                    prop_assert_eq!(before.checked_add(&added.unwrap()), None);
+                    prop_assert_eq!(sums, before);
+                }
+                Err(Refusal::Sample(fault)) => {
+                    // Compared as text, where not-a-number equals itself.
+                    prop_assert_eq!(added.unwrap_err().to_string(), fault.to_string());
+                    prop_assert_eq!(sums, before);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_merge_that_fails_changes_nothing(tops in prop::collection::vec(any::<bool>(), 15)) {
+        let rect = CROP;
+        let mut tile = FilmTile::new(rect).unwrap();
+        for (index, &top) in tops.iter().enumerate() {
+            let (x, y) = rect.pixel(index);
+            tile.add(x, y, &bright(if top { 2.8e14 } else { 0.25 })).unwrap();
+        }
+        let mut film = film();
+        film.merge_tile(&tile).unwrap();
+        let kept = film.clone();
+        match tops.iter().position(|&top| top) {
+            None => prop_assert!(film.merge_tile(&tile).is_ok()),
+            Some(index) => {
+                let (x, y) = rect.pixel(index);
+                prop_assert_eq!(film.merge_tile(&tile), Err(FilmError::Overflow { x, y }));
+                prop_assert_eq!(&film, &kept);
+                let mut whole = film.tiles_mut(64);
+                prop_assert_eq!(whole[0].merge(&tile), Err(FilmError::Overflow { x, y }));
+                drop(whole);
+                prop_assert_eq!(&film, &kept);
+            }
         }
     }
 

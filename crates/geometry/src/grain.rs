@@ -37,9 +37,9 @@ pub struct Quantisation {
 
 impl Quantisation {
     /// Quanta in the radius of the largest grain of a scene: fine enough that rounding moves a
-    /// grain by less than 8e-5 of that radius, coarse enough that a cell of 4 radii with a margin of
-    /// one radius on either side still fits 16 bits (`snowgrain_accel::GrainGrid`).
-    pub const MAX_RADIUS_QUANTA: u16 = 10_900;
+    /// grain by less than 1.6e-4 of that radius, coarse enough that a cell of ten radii with a margin
+    /// of one radius on either side still fits 16 bits (`snowgrain_accel::GrainGrid`).
+    pub const MAX_RADIUS_QUANTA: u16 = 5_450;
 
     /// Farthest coordinate that may be used, in quanta; leaves room for cells around it.
     pub const MAX_COORDINATE: i32 = 1 << 30;
@@ -129,7 +129,7 @@ mod tests {
     fn positions_survive_a_trip_through_doubles() {
         let lattice = Quantisation::for_grains(DVec3::new(0.1, -3.0, 7.3), 0.47e-3);
         for i in [-1_000_000_000, -12_345_677, -1, 0, 1, 99_999_999, 1 << 30] {
-            let grain = QuantisedGrain { center: [i, -i, i / 2], radius: 10_000 };
+            let grain = QuantisedGrain { center: [i, -i, i / 2], radius: 5_000 };
             let metres = lattice.grain(grain);
             assert_eq!(lattice.round(metres.center, metres.radius), Ok(grain));
         }

@@ -17,7 +17,7 @@ const MOST_GRAINS: u64 = 1 << 32;
 /// axis) lies exactly at `i * side_quanta + basis[b]`.
 ///
 /// Sides are rounded to whole quanta such that touching neighbours stay apart: by less than three
-/// quanta, 2.3e-4 of the radius, and not at all in the simple cubic lattice.
+/// quanta, 5e-4 of the radius, and not at all in the simple cubic lattice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LatticeCell {
     /// Edges of the cell, quanta.

@@ -19,6 +19,7 @@ impl PathKey {
     ///
     /// Mixed by two rounds of SplitMix64 (Steele et al. 2014), a bijection of `stream` for a fixed
     /// seed and sample, so that two pixels never share a key within one sample.
+    #[inline]
     #[must_use]
     pub fn new(seed: u64, stream: u64, sample: u64) -> Self {
         let mixed = split_mix(split_mix(seed ^ split_mix(sample)).wrapping_add(stream));
@@ -27,6 +28,7 @@ impl PathKey {
 }
 
 /// The finaliser of SplitMix64: a bijection of 64-bit words.
+#[inline]
 #[must_use]
 pub fn split_mix(word: u64) -> u64 {
     let z = word.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -36,6 +38,7 @@ pub fn split_mix(word: u64) -> u64 {
 }
 
 /// `pcg3d`: three words in, three well-mixed words out.
+#[inline]
 #[must_use]
 pub fn pcg3d(mut x: u32, mut y: u32, mut z: u32) -> [u32; 3] {
     const MULTIPLIER: u32 = 1_664_525;
@@ -58,12 +61,14 @@ pub fn pcg3d(mut x: u32, mut y: u32, mut z: u32) -> [u32; 3] {
 
 /// The three uniform numbers in `[0, 1)` of event `event` of the path: multiples of 2^-24, so they
 /// are exact in `f32` and in `f64`.
+#[inline]
 #[must_use]
 pub fn numbers(key: PathKey, event: u32) -> [f32; 3] {
     pcg3d(key.lo, key.hi, event).map(unit_interval)
 }
 
 /// The top 24 bits of a word as a number in `[0, 1)`.
+#[inline]
 #[must_use]
 pub fn unit_interval(word: u32) -> f32 {
     (word >> 8) as f32 * (1.0 / 16_777_216.0)

@@ -37,6 +37,7 @@ impl Camera {
 
     /// The ray through a point of the image in pixels: (0, 0) is the upper left corner,
     /// (width, height) the lower right one.
+    #[inline]
     #[must_use]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let (u, v) = (2.0 * x / self.width - 1.0, 2.0 * y / self.height - 1.0);

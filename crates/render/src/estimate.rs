@@ -4,11 +4,13 @@ use crate::camera::Camera;
 use crate::description::{ObjectDescription, ObjectShape, SceneDescription, SnowDescription};
 use core::f64::consts::PI;
 use snowgrain_film::{PixelRect, PixelSums};
-use snowgrain_geometry::{Quantisation, QuantisedGrain, teapot::teapot};
+use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
 use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeCell, LatticeSettings,
 };
 use snowgrain_math::{Aabb, DVec3};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Bytes a grain of the packed grid: measured 58 to 74 in the built-in scenes and the benchmarks, more
 /// where grains lie in fewer than about 10^5. The structure that grains fall on takes less (about 20)
@@ -20,8 +22,10 @@ const FALL_BYTES_PER_GRAIN: f64 = 24.0;
 const SIDE_IN_RADII: f64 = 4.0;
 const CELLS_PER_BRICK_EDGE: f64 = 8.0;
 const BYTES_PER_BRICK: f64 = 2048.0;
-/// Bytes a triangle: as loaded, and in the structure that finds it.
+/// Bytes a triangle: as loaded, in the structure that finds it, and while that is built.
 const BYTES_PER_TRIANGLE: f64 = 180.0;
+/// Bytes an object: itself, its place and what finds it.
+const BYTES_PER_OBJECT: f64 = 1024.0;
 /// Bytes a pixel beside the sums: layers, and their encoding.
 const PICTURE_BYTES_PER_PIXEL: u64 = 180;
 /// Films alive at once: the film and the pass that is being added to it.
@@ -69,9 +73,12 @@ impl CostEstimate {
     pub fn of(description: &SceneDescription, crop: PixelRect) -> Self {
         let mut cost = Self::default();
         let mut bounds = Aabb::EMPTY;
+        let mut meshes = HashMap::new();
         for object in &description.objects {
-            bounds = bounds.union(&bounds_of(object));
-            cost.surface_bytes += (triangles(object) * BYTES_PER_TRIANGLE) as u64;
+            let known = meshes.len();
+            bounds = bounds.union(&bounds_of(object, &mut meshes));
+            let triangles = if meshes.len() > known { triangles(object) } else { 0.0 };
+            cost.surface_bytes += (triangles * BYTES_PER_TRIANGLE + BYTES_PER_OBJECT) as u64;
         }
         let objects = bounds;
         for snow in &description.snow {
@@ -240,25 +247,28 @@ fn triangles(object: &ObjectDescription) -> f64 {
     match &object.shape {
         ObjectShape::Mesh(mesh) => mesh.triangles.len() as f64,
         ObjectShape::Teapot => TEAPOT_TRIANGLES,
-        ObjectShape::Sphere | ObjectShape::Box | ObjectShape::Plane => 1.0,
+        ObjectShape::Sphere | ObjectShape::Box | ObjectShape::Plane => 0.0,
     }
 }
 
-/// The box around a finite object, metres; empty for an infinite one.
-fn bounds_of(object: &ObjectDescription) -> Aabb {
-    let around = |points: &mut dyn Iterator<Item = DVec3>| {
-        points.fold(Aabb::EMPTY, |bounds, point| {
-            bounds.including(object.transform.transform_point3(point))
-        })
+/// The box around a finite object, metres; empty for an infinite one. `meshes` holds the boxes of
+/// the meshes seen before, the teapot as none.
+fn bounds_of(
+    object: &ObjectDescription,
+    meshes: &mut HashMap<Option<*const TriangleMesh>, Aabb>,
+) -> Aabb {
+    let own = match &object.shape {
+        ObjectShape::Plane => return Aabb::EMPTY,
+        ObjectShape::Sphere | ObjectShape::Box => Aabb::new(-DVec3::ONE, DVec3::ONE),
+        ObjectShape::Teapot => *meshes.entry(None).or_insert_with(|| teapot(8).bounds()),
+        ObjectShape::Mesh(mesh) => {
+            *meshes.entry(Some(Arc::as_ptr(mesh))).or_insert_with(|| mesh.bounds())
+        }
     };
-    match &object.shape {
-        ObjectShape::Plane => Aabb::EMPTY,
-        ObjectShape::Sphere | ObjectShape::Box => around(&mut (0..8).map(|corner: u32| {
-            DVec3::from_array([0, 1, 2].map(|axis| f64::from(corner >> axis & 1) * 2.0 - 1.0))
-        })),
-        ObjectShape::Teapot => around(&mut teapot(8).positions.iter().copied()),
-        ObjectShape::Mesh(mesh) => around(&mut mesh.positions.iter().copied()),
-    }
+    (0..8u32).fold(Aabb::EMPTY, |bounds, corner| {
+        let of = |axis: usize| if corner >> axis & 1 == 0 { own.min[axis] } else { own.max[axis] };
+        bounds.including(object.transform.transform_point3(DVec3::from([0, 1, 2].map(of))))
+    })
 }
 
 /// Part of the pixels of `crop` that look at `bounds`.

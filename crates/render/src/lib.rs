@@ -17,7 +17,7 @@ pub mod world;
 
 pub use error::RenderError;
 pub use estimate::CostEstimate;
-pub use render::{RenderControl, RenderSettings, Rendered, render};
+pub use render::{RenderControl, RenderSettings, Rendered, Rendering, render, render_with};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of};
 pub use snowgrain_accel::SimdLevel;
 pub use statistics::Statistics;

@@ -11,6 +11,7 @@ use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
 use snowgrain_math::{Aabb, DVec3};
+use std::cell::LazyCell;
 use std::sync::Arc;
 
 /// Quads along each edge of a patch of the built-in teapot: 65 536 triangles, 3 mm wide on a
@@ -71,7 +72,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Lets the snow fall and packs it; `stage` is told what is about to be done.
+    /// Lets the snow fall and packs it, at the best SIMD level of the machine; `stage` is told what
+    /// is about to be done.
     ///
     /// # Errors
     /// Snow that cannot be made or packed.
@@ -82,17 +84,21 @@ impl Scene {
         Self::build_at(description, SimdLevel::detect(), stage)
     }
 
-    /// As [`Self::build`], with snow that falls by the instructions of `level`; the same scene.
+    /// As [`Self::build`], with snow that falls by the instructions of `level`, by which the surfaces
+    /// are searched from then on; the same scene.
     ///
     /// # Errors
     /// As [`Self::build`].
+    ///
+    /// # Panics
+    /// If the machine does not have the level.
     pub fn build_at(
         description: &SceneDescription,
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
         stage(BuildStage::Surfaces);
-        let surfaces = surfaces_of(description);
+        let surfaces = surfaces_of(description).with_level(level);
         let mut report = BuildReport::default();
         let (grid, digest) = build_grid(description, &surfaces, level, &mut report, stage)?;
         report.grains = grid.grains();
@@ -142,9 +148,10 @@ pub fn deposit_at(
     Ok((field, report.snowfalls))
 }
 
-/// The surfaces of a scene's objects, in their order.
+/// The surfaces of a scene's objects, in their order. Objects with the same mesh share it.
 #[must_use]
 pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
+    let pot = LazyCell::new(|| Arc::new(teapot(TEAPOT_DIVISIONS)));
     let shapes: Vec<_> = description
         .objects
         .iter()
@@ -153,7 +160,7 @@ pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
                 ObjectShape::Sphere => SurfaceShape::Sphere,
                 ObjectShape::Box => SurfaceShape::Box,
                 ObjectShape::Plane => SurfaceShape::Plane,
-                ObjectShape::Teapot => SurfaceShape::Mesh(Arc::new(teapot(TEAPOT_DIVISIONS))),
+                ObjectShape::Teapot => SurfaceShape::Mesh(Arc::clone(&pot)),
                 ObjectShape::Mesh(mesh) => SurfaceShape::Mesh(Arc::clone(mesh)),
             };
             (shape, object.transform)
@@ -187,7 +194,7 @@ fn build_grid(
     Ok((grid, digest))
 }
 
-/// The lattice without memory, where it is whole, not too wide, and no surface crosses it.
+/// The lattice without memory, where it is whole and has such a form, and no surface crosses it.
 fn implicit_lattice(
     settings: &LatticeSettings,
     quantisation: Quantisation,
@@ -201,7 +208,7 @@ fn implicit_lattice(
         basis: cell.basis.clone(),
         radius_quanta: cell.radius,
     };
-    if !whole || packed.pieces().is_none() {
+    if !whole {
         return Ok(None);
     }
     let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3]);

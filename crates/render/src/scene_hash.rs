@@ -1,8 +1,10 @@
 //! A digest of everything that decides the pixels.
 
 use crate::description::{LightDescription, ObjectShape, SceneDescription};
-use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh};
 use snowgrain_grains::LatticeCell;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Digest of grains as they are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +82,7 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
         hash.floats(radiance);
         hash.words(&[u32::from(*visible)]);
     }
+    let mut meshes = HashMap::new();
     for object in &scene.objects {
         hash.tag(match object.shape {
             ObjectShape::Sphere => "sphere",
@@ -89,18 +92,26 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
             ObjectShape::Mesh(_) => "mesh",
         });
         if let ObjectShape::Mesh(mesh) = &object.shape {
-            for position in &mesh.positions {
-                hash.doubles(&position.to_array());
-            }
-            for triangle in &mesh.triangles {
-                hash.words(triangle);
-            }
+            hash.0.update(meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| mesh_digest(mesh)));
         }
         hash.floats(&object.albedo);
         hash.doubles(&object.transform.to_cols_array());
     }
     hash.tag("grains");
     hash.0.update(&grains.0);
+    *hash.0.finalize().as_bytes()
+}
+
+/// Digest of a mesh, whose placements share it.
+fn mesh_digest(mesh: &TriangleMesh) -> [u8; 32] {
+    let mut hash = Hash(blake3::Hasher::new());
+    hash.words(&[mesh.positions.len() as u32, mesh.triangles.len() as u32]);
+    for position in &mesh.positions {
+        hash.doubles(&position.to_array());
+    }
+    for triangle in &mesh.triangles {
+        hash.words(triangle);
+    }
     *hash.0.finalize().as_bytes()
 }
 

@@ -50,9 +50,8 @@ pub(crate) const BENCHMARK_VIEW: DVec3 = DVec3::new(1.0, 0.9, 0.8);
 pub(crate) fn picture(scene: &Scene, samples: Range<u64>, crop: PixelRect) -> Rendered {
     let (stop, samples_done) = (AtomicBool::new(false), AtomicU64::new(0));
     let settings = RenderSettings { samples, crop, level: SimdLevel::detect() };
-    let mut control =
-        RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &mut |_| () };
-    render(scene, &settings, &mut control).unwrap()
+    let control = RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &|_| () };
+    render(scene, &settings, &control).unwrap()
 }
 
 /// The pixels whose four corner rays all meet the box.

@@ -8,16 +8,16 @@
 mod golden;
 
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Film, FilmIdentity, PixelRect};
+use snowgrain_film::{Film, FilmIdentity, Picture, PixelRect};
 use snowgrain_formats::scene::{Loader, SceneFile, resolve};
 use snowgrain_formats::{read_film, read_grains, write_film, write_grains};
 use snowgrain_math::sampler::split_mix;
 use snowgrain_render::description::{SceneDescription, SnowDescription};
-use snowgrain_render::{RenderControl, RenderSettings, Scene, render};
+use snowgrain_render::{RenderControl, RenderSettings, Rendered, Scene, render, render_with};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The scenes: a lattice, a mesh buried in overlapping grains with absorption, and layers of many
 /// sizes on round and flat objects.
@@ -50,9 +50,8 @@ fn all_samples(scene: &Scene) -> Range<u64> {
 
 fn part(scene: &Scene, samples: Range<u64>, crop: PixelRect, level: SimdLevel) -> Film {
     let (stop, samples_done) = (AtomicBool::new(false), AtomicU64::new(0));
-    let mut control =
-        RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &mut |_| () };
-    render(scene, &RenderSettings { samples, crop, level }, &mut control).unwrap().film
+    let control = RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &|_| () };
+    render(scene, &RenderSettings { samples, crop, level }, &control).unwrap().film
 }
 
 fn film(scene: &Scene) -> Film {
@@ -92,9 +91,10 @@ fn threads_change_nothing() {
 #[test]
 fn simd_levels_change_nothing() {
     for name in SCENES {
-        let scene = build(&description(name));
-        let expected = bytes(&film(&scene));
+        let description = description(name);
+        let expected = bytes(&film(&build(&description)));
         for level in SimdLevel::available() {
+            let scene = Scene::build_at(&description, level, &mut |_| ()).unwrap();
             let film = part(&scene, all_samples(&scene), whole(&scene), level);
             assert!(bytes(&film) == expected, "{name}: {level} differs");
         }
@@ -165,6 +165,83 @@ fn sample_ranges_rendered_apart_merge_in_any_order() {
             assert!(bytes(&merged) == bytes(&expected), "{name}: order {seed}");
         }
     }
+}
+
+/// Renders samples `0..64` and asks for a stop once `enough(samples of every pixel, of all pixels)`.
+fn stopped(scene: &Scene, enough: impl Fn(u64, u64) -> bool + Sync) -> Rendered {
+    let (stop, samples_done) = (AtomicBool::new(false), AtomicU64::new(0));
+    let look = |every: u64| {
+        if enough(every, samples_done.load(Ordering::Relaxed)) {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let settings =
+        RenderSettings { samples: 0..64, crop: whole(scene), level: SimdLevel::detect() };
+    std::thread::scope(|scope| {
+        let (working, ended) = std::sync::mpsc::channel::<()>();
+        let look = &look;
+        scope.spawn(move || {
+            let moment = std::time::Duration::from_micros(100);
+            while ended.recv_timeout(moment) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+                look(0);
+            }
+        });
+        let control = RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &look };
+        let rendered = render(scene, &settings, &control).unwrap();
+        drop(working);
+        rendered
+    })
+}
+
+/// When a stop comes is chance here; what it leaves must be right at any moment.
+#[test]
+fn a_stopped_render_holds_the_samples_that_it_says_and_goes_on_from_there() {
+    for name in SCENES {
+        let scene = build(&description(name));
+        let pixels = whole(&scene).area();
+        let level = SimdLevel::detect();
+        let expected = part(&scene, 0..64, whole(&scene), level);
+        for step in 0..12u64 {
+            let rendered = match step {
+                0 => stopped(&scene, |_, _| true),
+                1..=4 => stopped(&scene, |every, _| every >= step),
+                _ => stopped(&scene, |_, all| all >= pixels * (step - 5) * 5 / 2),
+            };
+            let held = rendered.film.samples().total();
+            assert_eq!(rendered.complete, held == 64, "{name}: {held}");
+            if held == 0 {
+                assert!(rendered.film.samples().as_slice().is_empty());
+                continue;
+            }
+            assert_eq!(rendered.film.samples().as_slice().first(), Some(&(0..held)));
+            assert_eq!(rendered.statistics.paths, held * pixels);
+            let mut film = rendered.film;
+            assert!(film.pixels().iter().all(|pixel| pixel.samples() == held), "{name}: {held}");
+            if held < 64 {
+                film.merge(&part(&scene, held..64, whole(&scene), level)).unwrap();
+            }
+            assert!(bytes(&film) == bytes(&expected), "{name}: stopped at {held}");
+        }
+    }
+}
+
+#[test]
+fn a_preview_of_all_samples_shows_the_colours_of_the_film() {
+    let scene = build(&description("lattice"));
+    let (stop, samples_done) = (AtomicBool::new(false), AtomicU64::new(0));
+    let control = RenderControl { stop: &stop, samples_done: &samples_done, after_pass: &|_| () };
+    let crop = PixelRect::new(3, 1, whole(&scene).x1, whole(&scene).y1 - 2);
+    let settings = RenderSettings { samples: 5..12, crop, level: SimdLevel::detect() };
+    let (rendered, preview) = render_with(&scene, &settings, |rendering| {
+        assert!(rendering.preview().unwrap().is_none(), "nothing is rendered yet");
+        rendering.run(&control).unwrap();
+        assert_eq!(rendering.samples(), 7);
+        rendering.preview().unwrap().unwrap()
+    })
+    .unwrap();
+    let picture = Picture::from_film(&rendered.film).unwrap();
+    assert_eq!(preview.colour().unwrap(), picture.colour().unwrap());
+    assert_eq!(samples_done.into_inner(), 7 * crop.area());
 }
 
 #[test]

@@ -15,11 +15,11 @@ use crate::threads::{pool, threads};
 use pictures::Pictures;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Film, PixelRect};
+use snowgrain_film::{Picture, PixelRect};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::SceneDescription;
 use snowgrain_render::{
-    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render,
+    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_with,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -168,6 +168,13 @@ fn refuse_camera_in_ice(scene: &Scene, loaded: &LoadedScene) -> Result<(), Failu
     Err(Failure::bad_input(message).of(&loaded.name))
 }
 
+/// What a render leaves.
+struct Outcome {
+    rendered: Rendered,
+    /// A coarse picture, where the render was stopped before every pixel had a sample.
+    preview: Option<Picture>,
+}
+
 /// A picture to be rendered.
 struct Task<'a> {
     arguments: &'a RenderArguments,
@@ -184,34 +191,32 @@ impl Task<'_> {
         pictures: &Pictures,
         interrupts: &Interrupts,
         progress: &Progress,
-    ) -> Result<(Rendered, Spent), Failure> {
+    ) -> Result<(Outcome, Spent), Failure> {
         let samples_done = AtomicU64::new(0);
         let wanted = self.settings.samples.end;
         let total = self.settings.crop.area().saturating_mul(wanted);
-        let mut refresh = pictures.refresh();
-        let mut after_pass = |film: &Film| {
+        let after_pass = |samples: u64| {
             let over = self.arguments.time_limit.is_some_and(|l| self.started.elapsed() >= l);
-            if over {
+            if over && samples < wanted {
                 interrupts.stop().store(true, Ordering::SeqCst);
-            }
-            let stopping = over || interrupts.exit_code().is_some();
-            if film.samples().total() < wanted && !stopping {
-                interrupts.while_writing(|| refresh.with(film, progress));
             }
         };
         interrupts.keep_what_there_is();
         let watch = Stopwatch::start();
-        let rendered = progress.samples(&samples_done, total, || {
-            self.pool.install(|| {
-                let mut control = RenderControl {
-                    stop: interrupts.stop(),
-                    samples_done: &samples_done,
-                    after_pass: &mut after_pass,
-                };
-                render(self.scene, &self.settings, &mut control)
+        let control = RenderControl {
+            stop: interrupts.stop(),
+            samples_done: &samples_done,
+            after_pass: &after_pass,
+        };
+        let (rendered, preview) = progress.samples(&samples_done, total, || {
+            render_with(self.scene, &self.settings, |rendering| {
+                pictures.refreshed(rendering, interrupts, progress, || {
+                    self.pool.install(|| rendering.run(&control))
+                })?;
+                if rendering.samples() > 0 { Ok(None) } else { rendering.preview() }
             })
         })?;
-        Ok((rendered, watch.spent()))
+        Ok((Outcome { rendered, preview: preview? }, watch.spent()))
     }
 
     /// Writes everything, whatever of it fails, and tells what there is.
@@ -220,7 +225,7 @@ impl Task<'_> {
         pictures: &Pictures,
         interrupts: &Interrupts,
         progress: &Progress,
-        rendered: &Rendered,
+        Outcome { rendered, preview }: &Outcome,
         times: BuildTimes,
         spent: Spent,
     ) -> Result<u8, Failure> {
@@ -228,9 +233,11 @@ impl Task<'_> {
         let mut written = Ok(());
         let mut mean_radiance = None;
         if samples > 0 {
-            let picture = snowgrain_film::Picture::from_film(&rendered.film)?;
+            let picture = Picture::from_film(&rendered.film)?;
             mean_radiance = Some(picture.mean_radiance()?);
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
+        } else if let Some(preview) = preview {
+            written = interrupts.while_writing(|| pictures.write_preview(preview));
         }
         let figures = Run {
             report: &self.scene.report,
@@ -252,8 +259,11 @@ impl Task<'_> {
         }
         written?;
         let wanted = self.settings.samples.end;
-        let kept = match samples {
-            0 => "before every pixel had a sample; nothing was written".to_owned(),
+        let kept = match (samples, preview) {
+            (0, None) => "before there was a picture; nothing was written".to_owned(),
+            (0, Some(_)) => "before every pixel had a sample; PNG files show a coarse picture, \
+                             nothing else was written"
+                .to_owned(),
             _ => format!(
                 "after {samples} of {wanted} samples a pixel; the picture so far is written"
             ),

@@ -171,13 +171,15 @@ fn a_dry_run_tells_and_makes_nothing() {
 }
 
 #[test]
-fn a_time_limit_ends_a_render_after_a_pass() {
+fn a_time_limit_ends_a_render_after_few_passes() {
     let place = Workplace::new();
     let limit = ["--time-limit", "1ms", "--spp", "1000000", "-o", "a.film"];
     let grains = ["--set", "snow.grains=500", "--size", "16x16"];
     let said = place.succeed(&[&["render", "snowy-teapot"], &limit[..], &grains].concat()).stderr;
-    assert!(said.contains("--time-limit") && said.contains("1 of 1000000"), "{said}");
-    assert_eq!(read_film(&place.path("a.film")).unwrap().samples().total(), 1);
+    // The pass that is seen to be late is the first, but the next ones may be nearly done by then.
+    assert!(said.contains("--time-limit") && said.contains(" of 1000000"), "{said}");
+    let held = read_film(&place.path("a.film")).unwrap().samples().total();
+    assert!((1..10_000).contains(&held), "{held}");
 }
 
 #[test]

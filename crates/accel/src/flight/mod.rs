@@ -1,27 +1,27 @@
 //! Light among grains, many paths at a time.
 //!
-//! [`Flight`] keeps 64 paths in the air. In each round every path tests ONE block of 16 grains
-//! (SIMD over the grains), then all paths are updated at once (SIMD over the paths): layout before
-//! width, no gathers, no branch a path. What the kernels cannot decide comes back as a
+//! [`Flight`] keeps 64 paths in the air, in one of two ways: among packed grains of any kind
+//! (`blocks`), or in a perfect lattice (`crystal`). What the kernels cannot decide comes back as a
 //! [`FlightEvent`]: the path left the grid, met a surface, or seems trapped. The caller answers
 //! with [`Flight::launch`], [`Flight::bounce`] or [`Flight::retire`].
 
-mod block_test;
-mod lanes;
-mod round;
-mod update;
+mod blocks;
+mod crystal;
+mod random;
+mod sphere;
+mod vector;
 
-pub use lanes::LANES;
-
+use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
-use fearless_simd::{Level, dispatch};
-use lanes::{Lanes, mode};
-use snowgrain_geometry::Quantisation;
+use blocks::BlockFlight;
+use crystal::CrystalFlight;
+use fearless_simd::Level;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
-use update::Ice;
 
-use crate::grain_grid::GridPosition;
+/// Paths in flight on one core: enough that the memory that some wait for arrives while the others
+/// are worked on.
+pub const LANES: usize = 64;
 
 /// A path that stays in one body of ice for more interfaces than this is counted as trapped. Not a
 /// bounce cap: time in air starts the count anew. Total reflection can hold light in overlapping
@@ -62,30 +62,28 @@ pub struct FirstGrain {
     pub normal: DVec3,
 }
 
-/// The piece of surface on which a straight stretch began.
-#[derive(Clone, Copy, Debug)]
-struct Departure {
-    id: SurfaceId,
-    /// The random event that the path had then reached: the next interface ends the stretch.
-    event: u32,
-    /// Whether the stretch can meet the piece again farther on (it crosses a sphere or a box from
-    /// within): the piece is then excluded only as long as the path stands on it.
-    returns: bool,
-}
-
 /// 64 paths among the grains of one grid. See the module's page.
 #[derive(Debug)]
 pub struct Flight<'a> {
     grid: &'a GrainGrid,
-    surfaces: &'a Surfaces,
     level: Level,
-    ice: Ice,
-    lanes: Box<Lanes>,
-    /// The piece of surface that a path left.
-    left: [Option<Departure>; LANES],
-    events: Vec<(usize, FlightEvent)>,
-    /// Lanes that are looked at: all paths in flight are in the first ones.
-    in_use: usize,
+    engine: Engine<'a>,
+}
+
+#[derive(Debug)]
+enum Engine<'a> {
+    Blocks(BlockFlight<'a>),
+    Crystal(CrystalFlight<'a>),
+}
+
+/// Calls a method that both engines have.
+macro_rules! both {
+    ($engine:expr, $flight:ident => $call:expr) => {
+        match $engine {
+            Engine::Blocks($flight) => $call,
+            Engine::Crystal($flight) => $call,
+        }
+    };
 }
 
 impl<'a> Flight<'a> {
@@ -95,53 +93,20 @@ impl<'a> Flight<'a> {
     /// If the machine does not have `level`.
     #[must_use]
     pub fn new(grid: &'a GrainGrid, surfaces: &'a Surfaces, eta: f64, level: SimdLevel) -> Self {
-        Self {
-            grid,
-            surfaces,
-            level: level.token().expect("the SIMD level was checked when it was chosen"),
-            ice: Ice::new(eta),
-            lanes: Lanes::new(),
-            left: [None; LANES],
-            events: Vec::with_capacity(LANES),
-            in_use: LANES,
-        }
+        let engine = match grid.storage() {
+            Storage::Sites(sites) => Engine::Crystal(CrystalFlight::new(sites, eta)),
+            Storage::Packed(_) | Storage::Lattice(_) => {
+                Engine::Blocks(BlockFlight::new(grid, surfaces, eta))
+            }
+        };
+        let level = level.token().expect("the SIMD level was checked when it was chosen");
+        Self { grid, level, engine }
     }
 
     /// Makes `lane` the lane of a new path whose next random event is `event`; [`Self::enter`] then
     /// puts it into the grid.
     pub fn launch(&mut self, lane: usize, key: PathKey, event: u32) {
-        let lanes = &mut self.lanes;
-        lanes.key_lo[lane] = key.lo;
-        lanes.key_hi[lane] = key.hi;
-        lanes.event[lane] = event;
-        lanes.ice_length[lane] = 0.0;
-        lanes.air_length[lane] = 0.0;
-        lanes.visits[lane] = 0;
-        lanes.turns[lane] = 0;
-        lanes.mode[lane] = mode::PAUSED;
-        self.left[lane] = None;
-    }
-
-    /// Lets the path of `lane`, which circles in ice, leave where it stands along `direction`, its
-    /// next random event being `event`.
-    pub fn release(&mut self, lane: usize, direction: DVec3, event: u32) {
-        let lanes = &mut self.lanes;
-        lanes.direction.set(lane, unit_f32(direction));
-        lanes.event[lane] = event;
-        lanes.turns[lane] = 0;
-        lanes.mode[lane] = mode::AIR;
-        round::settle(self, lane);
-        if self.lanes.mode[lane] != mode::PAUSED {
-            self.fetch_entry(lane);
-        }
-    }
-
-    /// Outward unit normal of the grain that the path of `lane` is in, at the end of its chord.
-    #[must_use]
-    pub fn outward(&self, lane: usize) -> DVec3 {
-        let position = DVec3::from_array(self.lanes.position.get(lane).map(f64::from));
-        let center = DVec3::from_array(self.lanes.grain.get(lane).map(f64::from));
-        (position - center).normalize()
+        both!(&mut self.engine, flight => flight.launch(lane, key, event));
     }
 
     /// Puts the path of `lane` into the grid: in air at `place`, along the unit vector
@@ -153,130 +118,94 @@ impl<'a> Flight<'a> {
         direction: DVec3,
         excluded: Option<SurfaceId>,
     ) {
-        let entry = self.fetchable_entry(place.cell);
-        let lanes = &mut self.lanes;
-        lanes.position.set(lane, place.local);
-        lanes.cell.set(lane, place.cell);
-        lanes.direction.set(lane, unit_f32(direction));
-        lanes.cos_outside[lane] = -1.0;
-        lanes.turns[lane] = 0;
-        lanes.mode[lane] = mode::AIR;
-        lanes.entry[lane] = entry;
-        self.left[lane] = excluded.map(|id| self.departure(lane, id));
+        match &mut self.engine {
+            Engine::Blocks(flight) => flight.enter(lane, place, direction, excluded),
+            // No surface crosses a crystal.
+            Engine::Crystal(flight) => flight.enter(lane, place, direction),
+        }
     }
 
-    /// Tells that the caller has used the random events before `event`.
-    pub fn set_event(&mut self, lane: usize, event: u32) {
-        self.lanes.event[lane] = event;
+    /// Lets the path of `lane`, which circles in ice, leave where it stands along `direction`, its
+    /// next random event being `event`.
+    pub fn release(&mut self, lane: usize, direction: DVec3, event: u32) {
+        self.blocks().release(lane, direction, event);
+    }
+
+    /// Outward unit normal of the grain that the path of `lane`, which circles in ice, is in, at the
+    /// end of its chord.
+    pub fn outward(&mut self, lane: usize) -> DVec3 {
+        self.blocks().outward(lane)
     }
 
     /// Sends a path that stands at a surface on along `direction`, in the medium in which it came;
     /// its next random event is `event`.
     pub fn bounce(&mut self, lane: usize, direction: DVec3, surface: SurfaceId, event: u32) {
-        let lanes = &mut self.lanes;
-        lanes.direction.set(lane, unit_f32(direction));
-        lanes.event[lane] = event;
-        self.left[lane] = Some(self.departure(lane, surface));
-        let lanes = &mut self.lanes;
-        if lanes.turns[lane] == 0 {
-            lanes.mode[lane] = mode::AIR;
-        } else {
-            round::begin_chord(self.grid, lanes, lane);
-        }
-        round::settle(self, lane);
-        if self.lanes.mode[lane] != mode::PAUSED {
-            self.fetch_entry(lane);
-        }
+        self.blocks().bounce(lane, direction, surface, event);
+    }
+
+    /// Tells that the caller has used the random events before `event`.
+    pub fn set_event(&mut self, lane: usize, event: u32) {
+        both!(&mut self.engine, flight => flight.set_event(lane, event));
     }
 
     /// Ends the path of `lane`.
     pub fn retire(&mut self, lane: usize) {
-        self.lanes.mode[lane] = mode::PAUSED;
+        both!(&mut self.engine, flight => flight.retire(lane));
     }
 
     /// Moves the path of lane `from` to the free lane `to`.
     pub fn relocate(&mut self, from: usize, to: usize) {
-        self.lanes.copy_lane(from, to);
-        self.left[to] = self.left[from];
-        self.lanes.mode[from] = mode::PAUSED;
+        both!(&mut self.engine, flight => flight.relocate(from, to));
     }
 
     /// Tells that only the first `lanes` lanes hold paths, so that a few last paths do not cost as
     /// much as 64.
     pub fn use_lanes(&mut self, lanes: usize) {
-        self.in_use = lanes.min(LANES);
+        both!(&mut self.engine, flight => flight.use_lanes(lanes));
     }
 
-    /// Lets all paths travel until at least one needs its caller; `(lane, event)` of each that
-    /// does. Empty when no path is in flight.
-    pub fn advance(&mut self) -> Vec<(usize, FlightEvent)> {
-        let level = self.level;
-        dispatch!(level, simd => round::run(simd, self));
-        std::mem::take(&mut self.events)
+    /// Lets all paths travel until at least one needs its caller; adds `(lane, event)` of each that
+    /// does to `events`, none if no path is in flight.
+    pub fn advance(&mut self, events: &mut Vec<(usize, FlightEvent)>) {
+        both!(&mut self.engine, flight => flight.advance(self.level, events));
     }
 
     /// The ray along which the path of `lane` travels, from where it stands (metres).
     #[must_use]
     pub fn ray(&self, lane: usize) -> Ray {
-        Ray::new(self.grid.world(self.place(lane)), self.direction(lane))
+        let (place, direction) =
+            both!(&self.engine, flight => (flight.place(lane), flight.direction(lane)));
+        let direction = DVec3::from_array(direction.map(f64::from)).normalize();
+        Ray::new(self.grid.world(place), direction)
     }
 
     /// What the path of `lane` has done so far.
     #[must_use]
     pub fn travelled(&self, lane: usize) -> Travelled {
         let quantum = self.grid.quantum();
-        Travelled {
-            ice_length: f64::from(self.lanes.ice_length[lane]) * quantum,
-            air_length: f64::from(self.lanes.air_length[lane]) * quantum,
-            grain_visits: self.lanes.visits[lane],
-            event: self.lanes.event[lane],
-        }
+        both!(&self.engine, flight => flight.travelled(lane, quantum))
     }
 
     /// The first grain that the path of `lane` met, if it met one.
     #[must_use]
     pub fn first_grain(&self, lane: usize) -> Option<FirstGrain> {
-        (self.lanes.visits[lane] > 0).then(|| FirstGrain {
-            position: self.grid.world(GridPosition {
-                cell: self.lanes.first_cell.get(lane),
-                local: self.lanes.first_position.get(lane),
-            }),
-            normal: DVec3::from_array(self.lanes.first_normal.get(lane).map(f64::from)),
-        })
+        both!(&self.engine, flight => flight.first_grain(lane, |place| self.grid.world(place)))
     }
 
     /// The surface on which the present stretch of the path of `lane` began, if it began on one.
     #[must_use]
     pub fn excluded(&self, lane: usize) -> Option<SurfaceId> {
-        let event = self.lanes.event[lane];
-        self.left[lane].filter(|left| left.event == event).map(|left| left.id)
-    }
-
-    /// The departure of the path of `lane` from a surface on which it stands.
-    fn departure(&self, lane: usize, id: SurfaceId) -> Departure {
-        let returns = self.surfaces.is_met_again(&self.ray(lane), id);
-        Departure { id, event: self.lanes.event[lane], returns }
-    }
-
-    fn place(&self, lane: usize) -> GridPosition {
-        GridPosition {
-            cell: self.lanes.cell_of(lane).to_array(),
-            local: self.lanes.position.get(lane),
+        match &self.engine {
+            Engine::Blocks(flight) => flight.excluded(lane),
+            Engine::Crystal(_) => None,
         }
     }
 
-    fn direction(&self, lane: usize) -> DVec3 {
-        DVec3::from_array(self.lanes.direction.get(lane).map(f64::from)).normalize()
+    /// The engine of paths that meet surfaces or circle in overlapping grains.
+    fn blocks(&mut self) -> &mut BlockFlight<'a> {
+        match &mut self.engine {
+            Engine::Blocks(flight) => flight,
+            Engine::Crystal(_) => unreachable!("no such event occurs in a crystal"),
+        }
     }
-
-    /// The quantisation of the grid, for callers that convert places.
-    #[must_use]
-    pub fn quantisation(&self) -> Quantisation {
-        self.grid.quantisation
-    }
-}
-
-/// A direction rounded to single precision, which the kernels keep at unit length.
-fn unit_f32(direction: DVec3) -> [f32; 3] {
-    direction.to_array().map(|v| v as f32)
 }

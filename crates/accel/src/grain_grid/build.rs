@@ -1,9 +1,10 @@
 //! Packing grains into cells: count, number, fill, then mark which grains stand alone.
 
 use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
-use super::packed_cells::BRICK;
-use super::{Block, CellEntry, Cells, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells};
+use super::packed_cells::{BRICK, CELLS_PER_BRICK};
+use super::{Block, CellEntry, GRAINS_PER_BLOCK, GrainGrid, GridError, PackedCells, Storage};
 use crate::Surfaces;
+use crate::pages;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{Aabb, DVec3, trig};
 
@@ -85,7 +86,7 @@ fn occupied_volume(grains: &[QuantisedGrain], side: f64) -> Result<f64, GridErro
     };
     let mut cells = PackedCells::new(layout.cells)?;
     grains.iter().for_each(|grain| cells.touch(cell_of(grain)));
-    cells.seal_bricks();
+    cells.seal_bricks(true);
     let mut occupied = vec![false; cells.entries().len()];
     grains.iter().for_each(|grain| occupied[cells.index(cell_of(grain))] = true);
     let count = occupied.iter().filter(|&&held| held).count();
@@ -151,7 +152,7 @@ pub(super) fn build(
             cells: [1; 3],
             periodic: [false; 3],
             margin,
-            storage: Cells::Packed(PackedCells::new([1; 3])?),
+            storage: Storage::Packed(PackedCells::new([1; 3])?),
             blocks: vec![Block::EMPTY],
             grains: 0,
         });
@@ -172,7 +173,8 @@ pub(super) fn build(
     for &cell in &surface_cells {
         cells.touch(cell);
     }
-    cells.seal_bricks();
+    // Bricks need not divide a period.
+    cells.seal_bricks(layout.periodic == [false; 3]);
     let mut crosses = vec![false; if surface_cells.is_empty() { 0 } else { cells.entries().len() }];
     for &cell in &surface_cells {
         crosses[cells.index(cell)] = true;
@@ -185,7 +187,7 @@ pub(super) fn build(
         cells: layout.cells,
         periodic: layout.periodic,
         margin,
-        storage: Cells::Packed(cells),
+        storage: Storage::Packed(cells),
         blocks,
         grains: grains.len() as u64,
     };
@@ -212,7 +214,8 @@ fn fill(
     }
     let most = CellEntry::MAX_BLOCKS_PER_CELL * GRAINS_PER_BLOCK;
     let mut next = 1;
-    for (index, (entry, count)) in cells.entries_mut().iter_mut().zip(&mut counts).enumerate() {
+    let bricks = cells.entries_mut().iter_mut().zip(&mut counts).enumerate();
+    for (index, (entry, count)) in bricks.skip(CELLS_PER_BRICK) {
         let surface = crosses.get(index).copied().unwrap_or(false);
         let in_cell = usize::from(*count);
         if in_cell > most {
@@ -230,7 +233,7 @@ fn fill(
         next += needed;
         *count = 0;
     }
-    let mut blocks = vec![Block::EMPTY; next];
+    let mut blocks = pages::filled(next, Block::EMPTY);
     for &grain in grains {
         layout.for_cells(grain, |cell, center| {
             let index = cells.index(cell);
@@ -246,7 +249,7 @@ fn fill(
 
 /// Marks, in every copy of each grain, whether it overlaps another or reaches a surface.
 fn mark(grid: &mut GrainGrid, layout: &Layout, grains: &[QuantisedGrain], surfaces: &Surfaces) {
-    let Cells::Packed(cells) = &grid.storage else { return };
+    let Storage::Packed(cells) = &grid.storage else { return };
     let margin = grid.margin;
     let quantum = grid.quantisation.quantum();
     let blocks = &mut grid.blocks;

@@ -1,7 +1,7 @@
 //! Whether a point lies in ice.
 
 use super::block::RADIUS_MASK;
-use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid};
+use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, Storage};
 use snowgrain_math::DVec3;
 
 impl GrainGrid {
@@ -12,6 +12,9 @@ impl GrainGrid {
         let outside = point.cmplt(bounds.min).any() || point.cmpgt(bounds.max).any();
         if self.grains() == 0 || outside || !point.is_finite() {
             return false;
+        }
+        if let Storage::Sites(sites) = &self.storage {
+            return sites.is_inside_grain(self.quanta(point));
         }
         let place = self.locate(point);
         let entry = self.entry(place.cell);

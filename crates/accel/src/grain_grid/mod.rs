@@ -14,11 +14,14 @@ mod build;
 mod inside;
 mod lattice_cells;
 mod packed_cells;
+mod sites;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
+pub(crate) use packed_cells::within_brick;
+pub(crate) use sites::{LatticeSites, SiteKind};
 
 use crate::Surfaces;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
@@ -73,8 +76,8 @@ pub struct CellEntry(pub(crate) u32);
 
 impl CellEntry {
     pub(crate) const EMPTY: Self = Self(0);
-    /// A whole brick without grains or surfaces; light may cross it in one step.
-    pub(crate) const EMPTY_BRICK: Self = Self(u32::MAX);
+    /// A whole brick without grains or surfaces; light may cross it in one step. Its block is block 0.
+    pub(crate) const EMPTY_BRICK: Self = Self(7 << 28);
     pub(crate) const SURFACE: u32 = 1 << 31;
     pub(crate) const MAX_BLOCKS_PER_CELL: usize = 7;
     pub(crate) const MAX_BLOCKS: usize = 1 << 28;
@@ -86,12 +89,26 @@ impl CellEntry {
     }
 
     pub(crate) fn has_surface(self) -> bool {
-        self.0 & Self::SURFACE != 0 && self != Self::EMPTY_BRICK
+        self.0 & Self::SURFACE != 0
     }
 
+    /// The cell's first block; block 0 where it holds nothing.
+    #[inline(always)]
+    pub(crate) fn first_block(self) -> usize {
+        (self.0 & (Self::MAX_BLOCKS as u32 - 1)) as usize
+    }
+
+    /// The cell's other blocks.
+    #[inline(always)]
+    pub(crate) fn further_blocks(self) -> std::ops::Range<usize> {
+        let first = self.first_block() + 1;
+        let further = if self == Self::EMPTY_BRICK { 0 } else { (self.0 >> 28) & 7 };
+        first..first + further as usize
+    }
+
+    /// All blocks of the cell.
     pub(crate) fn blocks(self) -> std::ops::Range<usize> {
-        let first = (self.0 & (Self::MAX_BLOCKS as u32 - 1)) as usize;
-        first..first + 1 + ((self.0 >> 28) & 7) as usize
+        self.first_block()..self.further_blocks().end
     }
 }
 
@@ -106,9 +123,13 @@ pub struct GridPosition {
 
 /// Where the blocks of the cells come from.
 #[derive(Debug)]
-pub(crate) enum Cells {
+pub(crate) enum Storage {
+    /// Arbitrary snow.
     Packed(PackedCells),
+    /// A lattice whose cells all show the same blocks.
     Lattice(LatticeCells),
+    /// A lattice of grains that do not overlap, all alike.
+    Sites(LatticeSites),
 }
 
 /// All grains of a scene, packed for light.
@@ -125,8 +146,8 @@ pub struct GrainGrid {
     pub(crate) periodic: [bool; 3],
     /// Local coordinate of a cell's low face: no grain reaches into the cell from farther away.
     pub(crate) margin: i32,
-    pub(crate) storage: Cells,
-    pub(crate) blocks: Vec<Block>,
+    storage: Storage,
+    blocks: Vec<Block>,
     grains: u64,
 }
 
@@ -142,8 +163,9 @@ impl GrainGrid {
     pub fn memory_bytes(&self) -> u64 {
         let blocks = size_of_val(self.blocks.as_slice());
         let cells = match &self.storage {
-            Cells::Packed(cells) => cells.memory_bytes(),
-            Cells::Lattice(cells) => cells.memory_bytes(),
+            Storage::Packed(cells) => cells.memory_bytes(),
+            Storage::Lattice(cells) => cells.memory_bytes(),
+            Storage::Sites(_) => 0,
         };
         (blocks + cells) as u64
     }
@@ -152,6 +174,10 @@ impl GrainGrid {
     #[must_use]
     pub fn quantum(&self) -> f64 {
         self.quantisation.quantum()
+    }
+
+    pub(crate) fn storage(&self) -> &Storage {
+        &self.storage
     }
 
     /// Edges of a cell, metres.
@@ -163,6 +189,10 @@ impl GrainGrid {
     /// The box of all cells, metres; infinite along periodic axes.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
+        if let Storage::Sites(sites) = &self.storage {
+            let Aabb { min, max } = sites.bounds();
+            return Aabb::new(self.metres(min), self.metres(max));
+        }
         let mut bounds = self.cell_box([0; 3], self.cells);
         for axis in 0..3 {
             if self.periodic[axis] {
@@ -179,9 +209,17 @@ impl GrainGrid {
             let quanta = std::array::from_fn(|axis| {
                 (self.first[axis] + i64::from(cell[axis]) * i64::from(self.side[axis])) as f64
             });
-            self.quantisation.origin() + DVec3::from_array(quanta) * self.quantum()
+            self.metres(DVec3::from_array(quanta))
         };
         Aabb::new(corner(from), corner(to))
+    }
+
+    fn metres(&self, quanta: DVec3) -> DVec3 {
+        self.quantisation.origin() + quanta * self.quantum()
+    }
+
+    fn quanta(&self, point: DVec3) -> DVec3 {
+        (point - self.quantisation.origin()) / self.quantum()
     }
 
     /// Where the ray enters the box of cells: the distance in metres (0 if it starts inside) and
@@ -198,7 +236,10 @@ impl GrainGrid {
     /// The place of a point in metres, clamped into the box of cells (wrapped along periodic axes).
     #[must_use]
     pub fn locate(&self, point: DVec3) -> GridPosition {
-        let quanta = (point - self.quantisation.origin()) / self.quantum();
+        let quanta = self.quanta(point);
+        if let Storage::Sites(sites) = &self.storage {
+            return sites.locate(quanta);
+        }
         let mut cell = [0; 3];
         let mut local = [0.0; 3];
         for axis in 0..3 {
@@ -221,27 +262,45 @@ impl GrainGrid {
     /// A place in metres (in the first period, where the grid is periodic).
     #[must_use]
     pub fn world(&self, place: GridPosition) -> DVec3 {
+        if let Storage::Sites(sites) = &self.storage {
+            return self.metres(sites.world(place));
+        }
         let quanta = std::array::from_fn(|axis| {
             let corner =
                 self.first[axis] + i64::from(place.cell[axis]) * i64::from(self.side[axis]);
             corner as f64 + (f64::from(place.local[axis]) - f64::from(self.margin))
         });
-        self.quantisation.origin() + DVec3::from_array(quanta) * self.quantum()
+        self.metres(DVec3::from_array(quanta))
     }
 
-    /// Asks for a cell's entry ahead of its use.
+    /// The entry of a cell, its first block already on the way from memory.
     #[inline(always)]
-    pub(crate) fn prefetch_entry(&self, cell: [i32; 3]) {
-        if let Cells::Packed(cells) = &self.storage {
-            cells.prefetch(cell);
+    pub(crate) fn fetchable_entry(&self, cell: [i32; 3]) -> CellEntry {
+        let entry = self.entry(cell);
+        self.prefetch_blocks(entry);
+        entry
+    }
+
+    /// Asks for the blocks of a cell ahead of their use.
+    #[inline(always)]
+    pub(crate) fn prefetch_blocks(&self, entry: CellEntry) {
+        self.blocks[entry.first_block()].prefetch();
+        for block in &self.blocks[entry.further_blocks()] {
+            block.prefetch();
         }
+    }
+
+    /// All blocks.
+    pub(crate) fn blocks(&self) -> &[Block] {
+        &self.blocks
     }
 
     #[inline(always)]
     pub(crate) fn entry(&self, cell: [i32; 3]) -> CellEntry {
         match &self.storage {
-            Cells::Packed(cells) => cells.entry(cell),
-            Cells::Lattice(cells) => cells.entry(cell),
+            Storage::Packed(cells) => cells.entry(cell),
+            Storage::Lattice(cells) => cells.entry(cell),
+            Storage::Sites(_) => CellEntry::EMPTY,
         }
     }
 
@@ -273,8 +332,8 @@ impl GrainGrid {
     }
 
     /// A crystal lattice of `counts` conventional cells whose first has its low corner at the
-    /// lattice coordinate `first`; no memory but one cell's blocks. `periodic` repeats it for ever
-    /// along an axis.
+    /// lattice coordinate `first`; no memory, or that of one cell's blocks where grains overlap or
+    /// are not all alike (hexagonal lattices). `periodic` repeats it for ever along an axis.
     ///
     /// # Errors
     /// A cell that holds too many grains, or that is too wide ([`LatticeCell::pieces`]).
@@ -285,10 +344,23 @@ impl GrainGrid {
         first: [i32; 3],
         periodic: [bool; 3],
     ) -> Result<Self, GridError> {
+        let grains = counts.map(u64::from).iter().product::<u64>() * cell.basis.len() as u64;
+        if let Some(sites) = LatticeSites::new(cell, counts, first, periodic) {
+            return Ok(Self {
+                quantisation,
+                first: first.map(i64::from),
+                side: cell.side_quanta,
+                cells: counts.map(u32::cast_signed),
+                periodic,
+                margin: 0,
+                storage: Storage::Sites(sites),
+                blocks: Vec::new(),
+                grains,
+            });
+        }
         let pieces = cell.pieces().ok_or(GridError::WideLattice)?;
         let (storage, blocks, cells) =
             LatticeCells::new(quantisation, cell, pieces, counts, periodic)?;
-        let per_cell = cell.basis.len() as u64;
         Ok(Self {
             quantisation,
             // One layer of conventional cells below the first holds what protrudes from it.
@@ -300,9 +372,9 @@ impl GrainGrid {
             cells,
             periodic,
             margin: i32::from(cell.radius_quanta) + build::PAD,
-            storage: Cells::Lattice(storage),
+            storage: Storage::Lattice(storage),
             blocks,
-            grains: counts.iter().map(|&n| u64::from(n)).product::<u64>() * per_cell,
+            grains,
         })
     }
 }

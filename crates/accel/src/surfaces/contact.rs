@@ -61,9 +61,8 @@ impl Triangle {
     /// The highest position of the falling sphere's centre at which it touches.
     fn highest_contact(&self, drop: &Drop) -> Option<(f64, Touch)> {
         let [a, b, c] = self.corners;
-        let mut best: Option<(f64, Touch)> = None;
+        let face = self.face_contact(drop);
         let parts = [
-            self.face_contact(drop),
             edge_contact(a, b, drop),
             edge_contact(b, c, drop),
             edge_contact(c, a, drop),
@@ -71,16 +70,24 @@ impl Triangle {
             vertex_contact(b, drop),
             vertex_contact(c, drop),
         ];
+        let mut best: Option<(f64, DVec3)> = None;
         for part in parts.into_iter().flatten() {
             if best.is_none_or(|(y, _)| part.0 > y) {
                 best = Some(part);
             }
         }
-        best
+        match (face, best) {
+            (Some(face), best) if best.is_none_or(|(y, _)| face.0 >= y) => Some(face),
+            (_, best) => best.map(|(y, point)| {
+                let normal = (drop.center(y) - point).normalize();
+                (y, Touch { point, normal })
+            }),
+        }
     }
 
     fn face_contact(&self, drop: &Drop) -> Option<(f64, Touch)> {
-        let normal = self.upward_normal();
+        let winding = self.normal();
+        let normal = if winding.y < 0.0 { -winding } else { winding };
         if normal.y <= 0.0 {
             return None;
         }
@@ -88,7 +95,6 @@ impl Triangle {
         let y =
             a.y + (drop.radius - normal.x * (drop.x - a.x) - normal.z * (drop.z - a.z)) / normal.y;
         let point = drop.center(y) - normal * drop.radius;
-        let winding = self.normal();
         let inside = [(a, b), (b, c), (c, a)]
             .iter()
             .all(|&(from, to)| winding.cross(to - from).dot(point - from) >= 0.0);
@@ -96,8 +102,8 @@ impl Triangle {
     }
 }
 
-/// Top of the cylinder of the sphere's radius around the edge.
-fn edge_contact(from: DVec3, to: DVec3, drop: &Drop) -> Option<(f64, Touch)> {
+/// Top of the cylinder of the sphere's radius around the edge, and the point touched there.
+fn edge_contact(from: DVec3, to: DVec3, drop: &Drop) -> Option<(f64, DVec3)> {
     let edge = to - from;
     let (dx, dz) = (drop.x - from.x, drop.z - from.z);
     let flat = edge.x * edge.x + edge.z * edge.z;
@@ -110,21 +116,12 @@ fn edge_contact(from: DVec3, to: DVec3, drop: &Drop) -> Option<(f64, Touch)> {
     let along = dx * edge.x + dz * edge.z;
     let rise = (along * edge.y + (length_squared * inside).sqrt()) / flat;
     let s = (along + rise * edge.y) / length_squared;
-    if !(0.0..=1.0).contains(&s) {
-        return None;
-    }
-    let y = from.y + rise;
-    let point = from + edge * s;
-    Some((y, Touch { point, normal: (drop.center(y) - point).normalize() }))
+    (0.0..=1.0).contains(&s).then(|| (from.y + rise, from + edge * s))
 }
 
-/// Top of the ball of the sphere's radius around the vertex.
-fn vertex_contact(vertex: DVec3, drop: &Drop) -> Option<(f64, Touch)> {
+/// Top of the ball of the sphere's radius around the vertex, and the vertex.
+fn vertex_contact(vertex: DVec3, drop: &Drop) -> Option<(f64, DVec3)> {
     let (dx, dz) = (drop.x - vertex.x, drop.z - vertex.z);
     let squared = drop.radius * drop.radius - dx * dx - dz * dz;
-    if squared < 0.0 {
-        return None;
-    }
-    let y = vertex.y + squared.sqrt();
-    Some((y, Touch { point: vertex, normal: (drop.center(y) - vertex).normalize() }))
+    (squared >= 0.0).then(|| (vertex.y + squared.sqrt(), vertex))
 }

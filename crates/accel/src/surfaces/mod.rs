@@ -1,30 +1,36 @@
 //! Solid surfaces that grains fall on and light meets: analytic shapes and triangle meshes.
 //!
-//! Surfaces are shells: rays and grains meet them from inside as from outside. Spheres, boxes and
-//! planes are tried one by one; the triangles of all meshes share one bounding volume hierarchy.
-//! Results are the same bits at every SIMD level: boxes only exclude what the triangles, in `f64`,
-//! would exclude too.
+//! Surfaces are shells: rays and grains meet them from inside as from outside. Each distinct mesh
+//! has a bounding volume hierarchy in its own space, built in parallel; another one finds the
+//! objects, so that a mesh may be placed many times and costs its triangles once. Planes, which
+//! have no bounds, are tried one by one.
+//!
+//! Results are the same bits at every SIMD level and on any number of threads: boxes and rounded
+//! triangles only exclude what the placed triangles, in `f64`, would exclude too.
 
+mod beam;
+mod block;
 mod build;
-mod bvh;
 mod contact;
+mod cuboid;
 mod ellipsoid;
+mod instance;
+mod mesh;
+mod nearest;
+mod places;
 mod solid;
 #[cfg(test)]
 mod tests;
-mod traverse;
+mod tree;
 mod triangle;
 
 use crate::SimdLevel;
-use bvh::Bvh;
 use contact::{Drop, Touch};
-use fearless_simd::Level;
+use fearless_simd::{Level, dispatch};
+use places::Places;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, Ray};
-use solid::Solid;
-use std::ops::ControlFlow;
 use std::sync::Arc;
-use triangle::Triangle;
 
 /// The closed set of shapes, each in its own space (metres), placed by an affine transform.
 #[derive(Clone, Debug)]
@@ -35,7 +41,8 @@ pub enum SurfaceShape {
     Box,
     /// The infinite plane y = 0 (of the object's own space).
     Plane,
-    /// Triangles, two-sided.
+    /// Triangles, two-sided. Objects that share the `Arc` share the memory of the triangles and of
+    /// what finds them.
     Mesh(Arc<TriangleMesh>),
 }
 
@@ -88,9 +95,7 @@ pub struct SphereContact {
 /// ```
 #[derive(Debug)]
 pub struct Surfaces {
-    solids: Vec<Solid>,
-    bvh: Bvh,
-    bounds: Aabb,
+    places: Places,
     level: Level,
 }
 
@@ -102,30 +107,19 @@ impl Default for Surfaces {
 }
 
 impl Surfaces {
-    /// Builds the structure; objects are numbered in the order given.
+    /// Builds the structure, on the threads of the current pool; objects are numbered in the order
+    /// given.
     ///
     /// Transforms must be invertible; what one flattens is not found by rays. Triangles that have
-    /// no area once they are placed are left out.
+    /// no area are left out, and of those of a mesh that have the same three corners all but the
+    /// first.
     ///
     /// # Panics
-    /// Beyond 2^28 triangles.
+    /// Beyond 2^30 triangles in a mesh or 2^30 objects, and where a triangle names a vertex that its
+    /// mesh has not.
     #[must_use]
     pub fn new(objects: &[(SurfaceShape, DAffine3)]) -> Self {
-        let mut solids = Vec::new();
-        let mut triangles = Vec::new();
-        for ((shape, transform), object) in objects.iter().zip(0u32..) {
-            match shape {
-                SurfaceShape::Sphere => solids.push(Solid::sphere(object, transform)),
-                SurfaceShape::Box => solids.push(Solid::cuboid(object, transform)),
-                SurfaceShape::Plane => solids.push(Solid::plane(object, transform)),
-                SurfaceShape::Mesh(mesh) => {
-                    triangles.extend(placed_triangles(mesh, object, transform));
-                }
-            }
-        }
-        let bvh = Bvh::new(triangles);
-        let bounds = solids.iter().fold(bvh.bounds, |all, s| all.union(&s.bounds()));
-        Self { solids, bvh, bounds, level: Level::new() }
+        Self { places: Places::new(objects), level: Level::new() }
     }
 
     /// The same surfaces, searched with the instructions of `level` (same results).
@@ -138,17 +132,11 @@ impl Surfaces {
         self
     }
 
-    /// The same surfaces turned about the origin by the rotation `turn`, with the same ids.
+    /// The same surfaces turned about the origin by the rotation `turn`, with the same ids. What
+    /// finds the triangles of the meshes is shared.
     #[must_use]
     pub fn turned(&self, turn: &DMat3) -> Self {
-        let solids: Vec<Solid> = self.solids.iter().map(|solid| solid.turned(turn)).collect();
-        let turned = |triangle: &Triangle| Triangle {
-            corners: triangle.corners.map(|corner| *turn * corner),
-            id: triangle.id,
-        };
-        let bvh = Bvh::new(self.bvh.triangles.iter().map(turned).collect());
-        let bounds = solids.iter().fold(bvh.bounds, |all, s| all.union(&s.bounds()));
-        Self { solids, bvh, bounds, level: self.level }
+        Self { places: self.places.turned(turn), level: self.level }
     }
 
     /// The nearest surface with `0 < t <= t_max`, other than the piece `exclude`; of several at the
@@ -164,46 +152,21 @@ impl Surfaces {
         t_max: f64,
         exclude: Option<SurfaceId>,
     ) -> Option<SurfaceHit> {
-        let mut nearest: Option<SurfaceHit> = None;
-        for hit in self.solids.iter().filter_map(|solid| solid.intersect(ray, exclude)) {
-            if hit.t <= nearest.map_or(t_max, |n| n.t)
-                && nearest.is_none_or(|n| (hit.t, hit.id) < (n.t, n.id))
-            {
-                nearest = Some(hit);
-            }
-        }
-        let limit = nearest.map_or(t_max, |hit| hit.t);
-        if let Some((t, triangle)) = self.bvh.intersect(self.level, ray, limit, exclude)
-            && nearest.is_none_or(|n| (t, triangle.id) < (n.t, n.id))
-        {
-            let normal = triangle.normal();
-            let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            nearest = Some(SurfaceHit { t, normal, id: triangle.id });
-        }
-        nearest
+        dispatch!(self.level, simd => self.places.intersect(simd, ray, t_max, exclude))
     }
 
     /// Whether a ray that starts on the piece `id` meets the same solid again: it crosses a sphere or
     /// a box from within.
     #[must_use]
     pub fn is_met_again(&self, ray: &Ray, id: SurfaceId) -> bool {
-        let mut hits = self.solids.iter().filter_map(|solid| solid.intersect(ray, Some(id)));
-        hits.any(|hit| hit.id.object == id.object)
+        self.places.is_met_again(ray, id)
     }
 
     /// Whether any surface passes through the box (conservative: may say yes too often, never no
     /// wrongly). Marks the cells of the grain grid in which light must ask [`Self::intersect`].
     #[must_use]
     pub fn may_cross(&self, bounds: &Aabb) -> bool {
-        if self.solids.iter().any(|solid| solid.may_cross(bounds)) {
-            return true;
-        }
-        let mut crossed = false;
-        self.bvh.visit(bounds, |triangle, _| {
-            crossed = triangle.overlaps(bounds);
-            if crossed { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        });
-        crossed
+        dispatch!(self.level, simd => self.places.may_cross(simd, bounds))
     }
 
     /// The first contact of a sphere of `radius` that falls straight down along `x, z` from
@@ -221,25 +184,7 @@ impl Surfaces {
             let (center_y, normal, id) = (point.y, hit.normal, hit.id);
             return Some(SphereContact { center_y, point, normal, id });
         }
-        let mut first: Option<SphereContact> = None;
-        for solid in &self.solids {
-            solid.drop_sphere(&drop, |y, touch, id| {
-                keep_higher(&mut first, SphereContact::new(y, touch, id));
-            });
-        }
-        let mut column = Aabb::new(drop.start() - radius, drop.start() + radius);
-        column.min.y = f64::NEG_INFINITY;
-        self.bvh.visit(&column, |triangle, query| {
-            let first_y = first.map_or(f64::NEG_INFINITY, |held| held.center_y);
-            if !triangle.is_beside(&drop, first_y)
-                && let Some((y, touch)) = triangle.drop_sphere(&drop)
-            {
-                keep_higher(&mut first, SphereContact::new(y, touch, triangle.id));
-                query.raise(first_y.max(y) - radius);
-            }
-            ControlFlow::Continue(())
-        });
-        first
+        dispatch!(self.level, simd => self.places.drop_sphere(simd, &drop))
     }
 
     /// All pieces nearer to `center` than `reach`, each with its closest point (`center_y` holds
@@ -251,42 +196,32 @@ impl Surfaces {
                 out.push(SphereContact::new(distance, touch, id));
             }
         };
-        for solid in &self.solids {
-            solid.near(center, &mut found);
-        }
-        self.bvh.visit(&Aabb::new(center - reach, center + reach), |triangle, _| {
-            let (touch, distance) = triangle.touch(center);
-            found(distance, touch, triangle.id);
-            ControlFlow::Continue(())
-        });
+        dispatch!(self.level, simd => self.places.near(simd, center, reach, &mut found));
         out.sort_unstable_by_key(|contact| contact.id);
     }
 
     /// Box around all finite surfaces; empty where there are none (planes are infinite).
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.bounds
+        self.places.bounds()
     }
 
     /// Whether there is no surface at all.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.solids.is_empty() && self.bvh.triangles.is_empty()
+        self.places.is_empty()
     }
 
     /// Whether one of the surfaces is a plane.
     #[must_use]
     pub fn has_infinite(&self) -> bool {
-        self.solids.iter().any(Solid::is_infinite)
+        self.places.has_infinite()
     }
 
-    /// Memory held, bytes.
+    /// Memory held, bytes, with that of the meshes, each counted once.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        size_of::<Self>()
-            + self.solids.capacity() * size_of::<Solid>()
-            + self.solids.iter().map(Solid::heap_bytes).sum::<usize>()
-            + self.bvh.memory_bytes()
+        size_of::<Self>() + self.places.heap_bytes()
     }
 }
 
@@ -296,8 +231,8 @@ impl SphereContact {
     }
 }
 
-/// Replaces `first` by a contact that a falling sphere meets before it.
-fn keep_higher(first: &mut Option<SphereContact>, contact: SphereContact) {
+/// Replaces `first` by a contact that a falling sphere meets before it; returns whether it did.
+fn keep_higher(first: &mut Option<SphereContact>, contact: SphereContact) -> bool {
     let earlier = first.is_none_or(|held| {
         contact.center_y > held.center_y
             || (contact.center_y == held.center_y && contact.id < held.id)
@@ -305,20 +240,5 @@ fn keep_higher(first: &mut Option<SphereContact>, contact: SphereContact) {
     if earlier {
         *first = Some(contact);
     }
-}
-
-/// The triangles of a mesh in the world, those with an area.
-fn placed_triangles<'a>(
-    mesh: &'a TriangleMesh,
-    object: u32,
-    transform: &'a DAffine3,
-) -> impl Iterator<Item = Triangle> + 'a {
-    mesh.triangles
-        .iter()
-        .zip(0u32..)
-        .map(move |(corners, piece)| Triangle {
-            corners: corners.map(|v| transform.transform_point3(mesh.positions[v as usize])),
-            id: SurfaceId { object, piece },
-        })
-        .filter(Triangle::has_area)
+    earlier
 }

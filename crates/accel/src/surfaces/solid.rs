@@ -2,6 +2,7 @@
 
 use super::contact::{Drop, Touch};
 use super::ellipsoid::Ellipsoid;
+use super::instance::is_well_conditioned;
 use super::triangle::{ROUNDING, Triangle};
 use super::{SurfaceHit, SurfaceId};
 use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, Ray};
@@ -255,6 +256,12 @@ impl Solid {
                 found(distance, touch, self.id(0));
             }
         }
+    }
+
+    /// Whether the box around it holds all that its queries find: it has one, and its own space
+    /// loses no more than a few digits.
+    pub(super) fn is_bounded(&self) -> bool {
+        !self.is_infinite() && is_well_conditioned(&self.matrix)
     }
 
     /// Memory beyond the value itself, bytes.

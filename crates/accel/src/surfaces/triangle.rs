@@ -11,47 +11,38 @@ pub(super) struct Triangle {
     pub(super) id: SurfaceId,
 }
 
-/// A ray in the form that triangles ask for: sheared so that it runs along axis `MAIN`, the one
-/// along which its direction is largest (Woop, Benthin and Wald 2013, "Watertight Ray/Triangle
-/// Intersection", JCGT 2(1), section 3).
+/// A ray in the form that triangles ask for: sheared so that it runs along the axis along which its
+/// direction is largest (Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT
+/// 2(1), section 3).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ShearedRay<const MAIN: usize> {
-    origin: DVec3,
-    shear: [f64; 3],
+pub(super) struct ShearedRay {
+    /// The axes, the main one last.
+    pub(super) axes: [usize; 3],
+    pub(super) origin: DVec3,
+    pub(super) shear: [f64; 3],
 }
 
-/// The axis along which a direction is largest.
-pub(super) fn main_axis(direction: DVec3) -> usize {
-    let d = direction.abs();
-    if d.x >= d.y && d.x >= d.z {
-        0
-    } else if d.y >= d.z {
-        1
-    } else {
-        2
-    }
-}
-
-impl<const MAIN: usize> ShearedRay<MAIN> {
-    pub(super) fn new(ray: &Ray) -> Self {
-        let [x, y, z] = Self::turned(ray.direction);
-        Self { origin: ray.origin, shear: [x / z, y / z, 1.0 / z] }
-    }
-
-    /// The coordinates with the main axis last.
+impl ShearedRay {
     #[inline(always)]
-    fn turned(p: DVec3) -> [f64; 3] {
-        match MAIN {
-            0 => [p.y, p.z, p.x],
-            1 => [p.z, p.x, p.y],
-            _ => [p.x, p.y, p.z],
-        }
+    pub(super) fn new(ray: &Ray) -> Self {
+        let d = ray.direction.abs();
+        let axes = if d.x >= d.y && d.x >= d.z {
+            [1, 2, 0]
+        } else if d.y >= d.z {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
+        };
+        let direction = ray.direction.to_array();
+        let [x, y, z] = [direction[axes[0]], direction[axes[1]], direction[axes[2]]];
+        Self { axes, origin: ray.origin, shear: [x / z, y / z, 1.0 / z] }
     }
 
     /// A point seen along the ray: across it (two numbers) and along it.
     #[inline(always)]
     fn view(&self, p: DVec3) -> [f64; 3] {
-        let [x, y, z] = Self::turned(p - self.origin);
+        let p = (p - self.origin).to_array();
+        let [x, y, z] = [p[self.axes[0]], p[self.axes[1]], p[self.axes[2]]];
         [x - self.shear[0] * z, y - self.shear[1] * z, z * self.shear[2]]
     }
 }
@@ -64,8 +55,9 @@ impl Triangle {
     /// exact one is positive. So a ray through an edge or a vertex hits at least one of the
     /// triangles around it.
     #[inline(always)]
-    pub(super) fn intersect<const MAIN: usize>(&self, ray: &ShearedRay<MAIN>) -> Option<f64> {
-        let [a, b, c] = self.corners.map(|p| ray.view(p));
+    pub(super) fn intersect(&self, ray: &ShearedRay) -> Option<f64> {
+        let [a, b, c] = self.corners;
+        let (a, b, c) = (ray.view(a), ray.view(b), ray.view(c));
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
@@ -86,15 +78,10 @@ impl Triangle {
         (b - a).cross(c - a).normalize()
     }
 
-    /// Whether it has a normal: neither flat to a line nor outside the numbers.
+    /// Whether it has a normal.
+    #[inline(always)]
     pub(super) fn has_area(&self) -> bool {
-        let [a, b, c] = self.corners;
-        let area = (b - a).cross(c - a).length_squared();
-        area > 0.0 && area.is_finite()
-    }
-
-    pub(super) fn bounds(&self) -> Aabb {
-        self.corners.iter().fold(Aabb::EMPTY, |bounds, &p| bounds.including(p))
+        has_area(&self.corners)
     }
 
     /// Whether it has a point in the box, by separating axes (Akenine-Moller 2001, "Fast 3D
@@ -147,6 +134,13 @@ impl Triangle {
         let normal = self.normal();
         if normal.y < 0.0 { -normal } else { normal }
     }
+}
+
+/// Whether a triangle has a normal: it is neither flat to a line nor outside the numbers.
+#[inline(always)]
+pub(super) fn has_area(&[a, b, c]: &[DVec3; 3]) -> bool {
+    let area = (b - a).cross(c - a).length_squared();
+    area > 0.0 && area.is_finite()
 }
 
 /// Relative rounding that comparisons of lengths allow for: a few hundred units in the last place.

@@ -162,6 +162,31 @@ pub struct ObjectTable {
     /// Translation: [x, y, z], lengths; default [0, 0, 0].
     #[serde(default = "nowhere")]
     pub translate: [Length; 3],
+    /// Where the object stands, for one that stands in several places:
+    /// [{ translate = [1, 0, 0] }, { translate = [2, 0, 0], rotate = [0, 90, 0] }]. Each moves the
+    /// object as the keys above have placed it; a mesh is held in memory once; default one place,
+    /// that of the keys above.
+    #[serde(default)]
+    pub instances: Option<Vec<InstanceTable>>,
+}
+
+/// One of several places of an object. The object is scaled, then rotated, then translated once
+/// more.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InstanceTable {
+    /// Scale: one number or [x, y, z], none of them 0; default 1.
+    #[serde(default = "one")]
+    pub scale: Triple,
+    /// Rotation in degrees about x, then y, then z: [x, y, z]; default [0, 0, 0].
+    #[serde(default)]
+    pub rotate: [f64; 3],
+    /// Translation: [x, y, z], lengths; default [0, 0, 0].
+    #[serde(default = "nowhere")]
+    pub translate: [Length; 3],
+    /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default that of the object.
+    #[serde(default)]
+    pub albedo: Option<Triple>,
 }
 
 fn half() -> Triple {

@@ -33,12 +33,13 @@ pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut S
     for lane in 0..LANES {
         walk.refill(lane, source);
     }
+    let mut events = Vec::with_capacity(LANES);
     loop {
-        let events = walk.flight.advance();
+        walk.flight.advance(&mut events);
         if events.is_empty() {
             return;
         }
-        for (lane, event) in events {
+        for (lane, event) in events.drain(..) {
             walk.answer(lane, event, source);
         }
         walk.close_ranks();

@@ -3,12 +3,21 @@
 use crate::arguments::{PictureFile, PictureFormat};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::signals::Interrupts;
 use snowgrain_film::{Film, Picture, develop};
 use snowgrain_formats::{atomic, image, write_film};
+use snowgrain_render::Rendering;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Least time between two refreshments.
 const REFRESH: Duration = Duration::from_secs(2);
+/// At most one part in so many of the time of one thread goes into them.
+const SHARE: u32 = 20;
+/// When a coarse picture is shown where pixels still have no sample.
+const EARLY: Duration = Duration::from_millis(500);
+/// Between two looks at whether there is something to show.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// The files that a picture goes to.
 pub(super) struct Pictures<'a> {
@@ -31,51 +40,91 @@ impl<'a> Pictures<'a> {
     pub(super) fn write(&self, film: &Film, picture: &Picture) -> Result<(), Failure> {
         let mut written = Ok(());
         for file in self.files {
-            written = written.and(self.write_one(file, film, picture));
+            written = written.and(match file.format {
+                PictureFormat::Png => self.write_png(file, picture),
+                PictureFormat::Exr => image::write_exr(&file.path, picture).map_err(Failure::from),
+                PictureFormat::Film => write_film(&file.path, film).map_err(Failure::from),
+            });
         }
         written
     }
 
-    fn write_one(&self, file: &PictureFile, film: &Film, picture: &Picture) -> Result<(), Failure> {
-        match file.format {
-            PictureFormat::Png => {
-                image::write_png_8(&file.path, &develop::to_8_bit(picture, self.exposure)?)?;
-            }
-            PictureFormat::Exr => image::write_exr(&file.path, picture)?,
-            PictureFormat::Film => write_film(&file.path, film)?,
+    /// Writes the PNG files alone, for a picture that holds colours alone.
+    pub(super) fn write_preview(&self, picture: &Picture) -> Result<(), Failure> {
+        let mut written = Ok(());
+        for file in self.shown() {
+            written = written.and(self.write_png(file, picture));
         }
+        written
+    }
+
+    fn shown(&self) -> impl Iterator<Item = &PictureFile> {
+        self.files.iter().filter(|file| file.format == PictureFormat::Png)
+    }
+
+    fn write_png(&self, file: &PictureFile, picture: &Picture) -> Result<(), Failure> {
+        image::write_png_8(&file.path, &develop::to_8_bit(picture, self.exposure)?)?;
         Ok(())
     }
 
-    pub(super) fn refresh(&self) -> Refresh<'_> {
-        Refresh { pictures: self, last: None, failed: false }
-    }
-}
-
-/// Refreshes the PNG files while a picture is rendered.
-pub(super) struct Refresh<'a> {
-    pictures: &'a Pictures<'a>,
-    last: Option<Instant>,
-    failed: bool,
-}
-
-impl Refresh<'_> {
-    /// Writes the film so far, unless that was done just now. A file that cannot be written now is
-    /// told and left until the end.
-    pub(super) fn with(&mut self, film: &Film, progress: &Progress) {
-        if self.failed || self.last.is_some_and(|last| last.elapsed() < REFRESH) {
-            return;
-        }
-        let shown = self.pictures.files.iter().filter(|file| file.format == PictureFormat::Png);
-        for file in shown {
-            let written = Picture::from_film(film)
-                .map_err(Failure::from)
-                .and_then(|picture| self.pictures.write_one(file, film, &picture));
-            if let Err(failure) = written {
-                self.failed = true;
-                progress.note(&format!("cannot refresh the picture: {}", failure.message));
+    /// Does `work` and meanwhile refreshes the PNG files, on a thread of its own.
+    pub(super) fn refreshed<T>(
+        &self,
+        rendering: &Rendering,
+        interrupts: &Interrupts,
+        progress: &Progress,
+        work: impl FnOnce() -> T,
+    ) -> T {
+        std::thread::scope(|scope| {
+            let (working, ended) = channel::<()>();
+            if self.shown().next().is_some() {
+                scope.spawn(move || self.refresh(rendering, interrupts, progress, &ended));
             }
+            let result = work();
+            drop(working);
+            result
+        })
+    }
+
+    /// Writes the picture so far: as soon as every pixel has a sample or [`EARLY`] is over, and then
+    /// every now and then. A file that cannot be written now is told and left until the end.
+    fn refresh(
+        &self,
+        rendering: &Rendering,
+        interrupts: &Interrupts,
+        progress: &Progress,
+        ended: &Receiver<()>,
+    ) {
+        let start = Instant::now();
+        let mut due = start + EARLY;
+        let mut first = true;
+        while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+            if interrupts.exit_code().is_some() {
+                return;
+            }
+            let early = first && rendering.samples() > 0;
+            if !early && Instant::now() < due {
+                continue;
+            }
+            let began = Instant::now();
+            let written = match rendering.preview() {
+                Ok(None) => continue,
+                Ok(Some(picture)) => interrupts.while_writing(|| self.write_preview(&picture)),
+                Err(error) => Err(Failure::from(error)),
+            };
+            if let Err(failure) = written {
+                progress.note(&format!("cannot refresh the picture: {}", failure.message));
+                return;
+            }
+            if first {
+                progress.detail(&format!(
+                    "first picture {:.2} s after the start of rendering, written in {:.2} s",
+                    start.elapsed().as_secs_f64(),
+                    began.elapsed().as_secs_f64(),
+                ));
+            }
+            first = false;
+            due = Instant::now() + REFRESH.max(began.elapsed() * SHARE);
         }
-        self.last = Some(Instant::now());
     }
 }

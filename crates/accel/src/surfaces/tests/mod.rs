@@ -1,10 +1,13 @@
 mod contacts;
+mod instances;
 mod rays;
 
+use super::solid::Solid;
+use super::triangle::{ShearedRay, Triangle};
 use super::*;
 use snowgrain_geometry::teapot;
-use snowgrain_math::DMat3;
 use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::trig;
 
 /// A stream of uniform numbers.
 struct Random {
@@ -89,8 +92,91 @@ fn mesh(mesh: TriangleMesh, transform: DAffine3) -> Surfaces {
     Surfaces::new(&[(SurfaceShape::Mesh(Arc::new(mesh)), transform)])
 }
 
+/// Objects as a list that is gone through from end to end.
+struct BruteForce {
+    solids: Vec<Solid>,
+    triangles: Vec<Triangle>,
+}
+
+type Objects = Vec<(SurfaceShape, DAffine3)>;
+
+impl BruteForce {
+    fn new(objects: &Objects) -> Self {
+        let (mut solids, mut triangles) = (Vec::new(), Vec::new());
+        for ((shape, transform), object) in objects.iter().zip(0u32..) {
+            match shape {
+                SurfaceShape::Sphere => solids.push(Solid::sphere(object, transform)),
+                SurfaceShape::Box => solids.push(Solid::cuboid(object, transform)),
+                SurfaceShape::Plane => solids.push(Solid::plane(object, transform)),
+                SurfaceShape::Mesh(mesh) => triangles.extend((0..mesh.triangles.len()).map(|i| {
+                    let corners = mesh.corners(i).map(|p| transform.transform_point3(p));
+                    Triangle { corners, id: SurfaceId { object, piece: i as u32 } }
+                })),
+            }
+        }
+        triangles.retain(Triangle::has_area);
+        Self { solids, triangles }
+    }
+
+    fn intersect(&self, ray: &Ray, exclude: Option<SurfaceId>) -> Option<(f64, SurfaceId)> {
+        let sheared = ShearedRay::new(ray);
+        let triangles = self.triangles.iter().filter(|t| Some(t.id) != exclude);
+        let triangles = triangles.filter_map(|t| Some((t.intersect(&sheared)?, t.id)));
+        let solids = self.solids.iter().filter_map(|s| s.intersect(ray, exclude));
+        triangles.chain(solids.map(|hit| (hit.t, hit.id))).min_by(|a, b| a.partial_cmp(b).unwrap())
+    }
+
+    fn drop_sphere(&self, drop: &Drop) -> Option<SphereContact> {
+        let mut first = None;
+        for solid in &self.solids {
+            solid.drop_sphere(drop, |y, touch, id| {
+                keep_higher(&mut first, SphereContact::new(y, touch, id));
+            });
+        }
+        for triangle in &self.triangles {
+            if let Some((y, touch)) = triangle.drop_sphere(drop) {
+                keep_higher(&mut first, SphereContact::new(y, touch, triangle.id));
+            }
+        }
+        first
+    }
+
+    fn near(&self, center: DVec3, reach: f64) -> Vec<SphereContact> {
+        let mut out = Vec::new();
+        let mut found = |distance: f64, touch, id| {
+            if distance < reach {
+                out.push(SphereContact::new(distance, touch, id));
+            }
+        };
+        for solid in &self.solids {
+            solid.near(center, &mut found);
+        }
+        for triangle in &self.triangles {
+            let (touch, distance) = triangle.touch(center);
+            found(distance, touch, triangle.id);
+        }
+        out.sort_unstable_by_key(|contact| contact.id);
+        out
+    }
+
+    fn may_cross(&self, bounds: &Aabb) -> bool {
+        self.solids.iter().any(|solid| solid.may_cross(bounds))
+            || self.triangles.iter().any(|triangle| triangle.overlaps(bounds))
+    }
+
+    fn bounds(&self) -> Aabb {
+        let solids = self.solids.iter().fold(Aabb::EMPTY, |all, s| all.union(&s.bounds()));
+        let corners = self.triangles.iter().flat_map(|t| t.corners);
+        corners.fold(solids, |all, p| all.including(p))
+    }
+}
+
 /// One of everything, tilted and stretched, around `origin`.
 fn everything(random: &mut Random, origin: DVec3) -> Surfaces {
+    Surfaces::new(&one_of_each(random, origin))
+}
+
+fn one_of_each(random: &mut Random, origin: DVec3) -> Objects {
     let mut place = |size: DVec3| {
         let matrix = random.rotation() * DMat3::from_diagonal(size) * random.rotation();
         DAffine3 { matrix3: matrix, translation: origin + random.cube() }
@@ -118,7 +204,7 @@ fn everything(random: &mut Random, origin: DVec3) -> Surfaces {
         SurfaceShape::Plane,
         SurfaceShape::Mesh(Arc::new(soup(random, 40))),
     ];
-    Surfaces::new(&shapes.into_iter().zip(transforms).collect::<Vec<_>>())
+    shapes.into_iter().zip(transforms).collect()
 }
 
 #[test]

@@ -3,43 +3,19 @@
 use super::*;
 use snowgrain_math::frame::cosine_hemisphere;
 
-fn brute_force(
-    surfaces: &Surfaces,
-    ray: &Ray,
-    exclude: Option<SurfaceId>,
-) -> Option<(f64, SurfaceId)> {
-    let sheared = (
-        triangle::ShearedRay::<0>::new(ray),
-        triangle::ShearedRay::<1>::new(ray),
-        triangle::ShearedRay::<2>::new(ray),
-    );
-    let main = triangle::main_axis(ray.direction);
-    let meet = |t: &Triangle| match main {
-        0 => t.intersect(&sheared.0),
-        1 => t.intersect(&sheared.1),
-        _ => t.intersect(&sheared.2),
-    };
-    let triangles = surfaces
-        .bvh
-        .triangles
-        .iter()
-        .filter(|t| Some(t.id) != exclude)
-        .filter_map(|t| Some((meet(t)?, t.id)));
-    let solids = surfaces.solids.iter().filter_map(|s| s.intersect(ray, exclude));
-    triangles.chain(solids.map(|hit| (hit.t, hit.id))).min_by(|a, b| a.partial_cmp(b).unwrap())
-}
-
 #[test]
 fn rays_find_what_brute_force_finds_at_every_simd_level() {
     let mut hits = 0;
     for scene in 0..12 {
         let mut random = Random::new(scene);
         let origin = [DVec3::ZERO, DVec3::new(1e4, -1e4, 3e3)][scene as usize % 2];
-        let mut surfaces = if scene < 6 {
-            mesh(soup(&mut random, 400), DAffine3::from_translation(origin))
+        let objects = if scene < 6 {
+            let soup = SurfaceShape::Mesh(Arc::new(soup(&mut random, 400)));
+            vec![(soup, DAffine3::from_translation(origin))]
         } else {
-            everything(&mut random, origin)
+            one_of_each(&mut random, origin)
         };
+        let (mut surfaces, all) = (Surfaces::new(&objects), BruteForce::new(&objects));
         for level in SimdLevel::available() {
             surfaces = surfaces.with_level(level);
             let mut random = Random::new(100 + scene);
@@ -53,7 +29,7 @@ fn rays_find_what_brute_force_finds_at_every_simd_level() {
                 let start = origin + random.cube() - direction * away;
                 let ray = Ray::new(start, direction);
                 let hit = surfaces.intersect(&ray, f64::INFINITY, exclude);
-                assert_eq!(hit.map(|h| (h.t, h.id)), brute_force(&surfaces, &ray, exclude));
+                assert_eq!(hit.map(|h| (h.t, h.id)), all.intersect(&ray, exclude));
                 exclude = hit.map(|h| h.id);
                 let Some(hit) = hit else { continue };
                 hits += 1;

@@ -1,11 +1,12 @@
 //! What `[[object]]` means.
 
 use super::super::SceneError;
-use super::super::document::{ObjectTable, ShapeKind};
+use super::super::document::{InstanceTable, ObjectTable, ShapeKind};
+use super::super::quantity::{Length, Triple};
 use super::checks::{Checks, LARGEST, SMALLEST};
 use super::{Meshes, ReadMesh};
 use snowgrain_geometry::TriangleMesh;
-use snowgrain_math::{DAffine3, DMat3, DVec3, trig};
+use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, trig};
 use snowgrain_render::description::{ObjectDescription, ObjectShape};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,8 +16,48 @@ pub(super) fn objects(
     read_mesh: &mut ReadMesh<'_>,
 ) -> Result<Vec<ObjectDescription>, SceneError> {
     let mut meshes = Meshes::new();
-    let tables = checks.document().object.iter().enumerate();
-    tables.map(|(i, table)| object(checks, i, table, &mut meshes, read_mesh)).collect()
+    let mut objects = Vec::new();
+    for (i, table) in checks.document().object.iter().enumerate() {
+        let path = format!("object.{i}");
+        let (object, bounds) = object(checks, &path, table, &mut meshes, read_mesh)?;
+        if let Some(places) = &table.instances {
+            objects.extend(instances(checks, &path, places, &object, &bounds)?);
+            continue;
+        }
+        if matches!(object.shape, ObjectShape::Mesh(_)) {
+            check_reach(checks, &format!("{path}.scale"), &bounds, &object.transform)?;
+        }
+        objects.push(object);
+    }
+    Ok(objects)
+}
+
+/// The object in each of its places.
+fn instances(
+    checks: &Checks<'_>,
+    path: &str,
+    places: &[InstanceTable],
+    object: &ObjectDescription,
+    bounds: &Aabb,
+) -> Result<Vec<ObjectDescription>, SceneError> {
+    if places.is_empty() {
+        let mend = "must hold a place, as [{ translate = [1, 0, 0] }]; remove it for a single one";
+        return Err(checks.bad(&format!("{path}.instances"), mend));
+    }
+    let instance = |(i, place): (usize, &InstanceTable)| {
+        let path = format!("{path}.instances.{i}");
+        let moved =
+            Placement { scale: place.scale, rotate: place.rotate, translate: place.translate };
+        let transform = transform(checks, &path, &moved)? * object.transform;
+        check_reach(checks, &format!("{path}.scale"), bounds, &transform)?;
+        let albedo = match place.albedo {
+            Some(albedo) => self::albedo(checks, &path, albedo)?,
+            None => object.albedo,
+        };
+        let name = format!("{}.{i}", object.name);
+        Ok(ObjectDescription { name, shape: object.shape.clone(), albedo, transform })
+    };
+    places.iter().enumerate().map(instance).collect()
 }
 
 /// Whether the object has a bounding box.
@@ -27,24 +68,24 @@ pub(super) fn is_finite(object: &ObjectDescription) -> bool {
     }
 }
 
+/// The object where its own keys place it, and a box in its own space that shows its size.
 fn object(
     checks: &Checks<'_>,
-    index: usize,
+    path: &str,
     table: &ObjectTable,
     meshes: &mut Meshes,
     read_mesh: &mut ReadMesh<'_>,
-) -> Result<ObjectDescription, SceneError> {
-    let path = format!("object.{index}");
+) -> Result<(ObjectDescription, Aabb), SceneError> {
     let key = |name: &str| format!("{path}.{name}");
-    let albedo = table.albedo.0;
-    if !albedo.iter().all(|a| (0.0..=1.0).contains(a)) {
-        return Err(checks.bad(&key("albedo"), "each must be 0 to 1"));
-    }
-    let transform = transform(checks, &path, table)?;
+    let albedo = albedo(checks, path, table.albedo)?;
+    let placement =
+        Placement { scale: table.scale, rotate: table.rotate, translate: table.translate };
+    let transform = transform(checks, path, &placement)?;
+    let mut bounds = Aabb::new(-DVec3::ONE, DVec3::ONE);
     let shape = match (table.shape, &table.file) {
         (ShapeKind::Mesh, Some(file)) => {
             let mesh = mesh(checks, &key("file"), file, meshes, read_mesh)?;
-            check_reach(checks, &key("scale"), &mesh, &transform)?;
+            bounds = mesh.bounds();
             ObjectShape::Mesh(mesh)
         }
         (ShapeKind::Mesh, None) => {
@@ -63,9 +104,16 @@ fn object(
     let name = match (&table.name, file_name) {
         (Some(name), _) => name.clone(),
         (None, Some(file)) => file.to_string_lossy().into_owned(),
-        (None, None) => path,
+        (None, None) => path.to_owned(),
     };
-    Ok(ObjectDescription { name, shape, albedo: albedo.map(|a| a as f32), transform })
+    Ok((ObjectDescription { name, shape, albedo, transform }, bounds))
+}
+
+fn albedo(checks: &Checks<'_>, path: &str, albedo: Triple) -> Result<[f32; 3], SceneError> {
+    if albedo.0.iter().all(|a| (0.0..=1.0).contains(a)) {
+        return Ok(albedo.0.map(|a| a as f32));
+    }
+    Err(checks.bad(&format!("{path}.albedo"), "each must be 0 to 1"))
 }
 
 fn mesh(
@@ -84,31 +132,43 @@ fn mesh(
     Ok(mesh)
 }
 
-/// A mesh may hold any finite vertex; placed in the world it must stay within reach.
+/// A mesh may hold any finite vertex, and places may add up; in the world all must stay within
+/// reach.
 fn check_reach(
     checks: &Checks<'_>,
     key: &str,
-    mesh: &TriangleMesh,
+    bounds: &Aabb,
     transform: &DAffine3,
 ) -> Result<(), SceneError> {
-    let bounds = mesh.bounds();
     let corner = bounds.min.abs().max(bounds.max.abs());
-    let reach =
+    let size =
         corner.max_element() * transform.matrix3.to_cols_array().map(f64::abs).iter().sum::<f64>();
+    let reach = size.max(transform.translation.abs().max_element());
     if reach <= LARGEST {
         return Ok(());
     }
-    Err(checks.bad(key, format!("the mesh reaches {reach:e} m; use a smaller scale")))
+    Err(checks.bad(key, format!("the object reaches {reach:e} m; use a smaller scale")))
 }
 
-fn transform(checks: &Checks<'_>, path: &str, table: &ObjectTable) -> Result<DAffine3, SceneError> {
+/// How something is moved: scaled, then rotated, then translated.
+struct Placement {
+    scale: Triple,
+    rotate: [f64; 3],
+    translate: [Length; 3],
+}
+
+fn transform(
+    checks: &Checks<'_>,
+    path: &str,
+    placement: &Placement,
+) -> Result<DAffine3, SceneError> {
     let key = |name: &str| format!("{path}.{name}");
-    let scale = table.scale.0;
+    let scale = placement.scale.0;
     if !scale.iter().all(|s| (SMALLEST..=LARGEST).contains(&s.abs())) {
         return Err(checks.bad(&key("scale"), "must be finite and not 0"));
     }
-    let rotate = checks.finite(&key("rotate"), table.rotate)?;
-    let translate = checks.position(&key("translate"), table.translate)?;
+    let rotate = checks.finite(&key("rotate"), placement.rotate)?;
+    let translate = checks.position(&key("translate"), placement.translate)?;
     let turned = rotation(rotate) * DMat3::from_diagonal(DVec3::from(scale));
     Ok(DAffine3::from_mat3_translation(turned, translate))
 }

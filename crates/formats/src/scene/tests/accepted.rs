@@ -7,8 +7,11 @@ use crate::scene::{
 };
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
 use snowgrain_math::{Aabb, DVec3};
-use snowgrain_render::description::{LightDescription, SceneDescription, SnowDescription};
+use snowgrain_render::description::{
+    LightDescription, ObjectShape, SceneDescription, SnowDescription,
+};
 use std::path::Path;
+use std::sync::Arc;
 
 fn builtin(name: &str) -> SceneDescription {
     let scene = builtin_scene(name).unwrap();
@@ -130,6 +133,28 @@ fn meshes_are_read_once_relative_to_the_scene() {
     assert_eq!(asked, [Path::new("folder/model.obj")]);
     assert_eq!(scene.objects[0].name, "model.obj");
     assert_eq!(scene.objects[1].name, "again");
+}
+
+#[test]
+fn an_object_stands_where_its_instances_say() {
+    let text = LEAST.replace(
+        "shape = \"sphere\"",
+        "shape = \"mesh\"\nfile = \"model.obj\"\nscale = 2\nalbedo = 0.25\ninstances = [\n\
+         { translate = [1, 0, \"10 cm\"] },\n\
+         { rotate = [0, 90, 0], scale = [1, 3, 1], albedo = [1, 0, 0] },\n]",
+    );
+    let scene = read(&text, &[]).unwrap();
+    let [first, second] = scene.objects.as_slice() else { panic!("{:?}", scene.objects) };
+    assert_eq!([&first.name, &second.name], ["model.obj.0", "model.obj.1"]);
+    assert_eq!([first.albedo, second.albedo], [[0.25; 3], [1.0, 0.0, 0.0]]);
+    assert_eq!(first.transform.transform_point3(DVec3::Y), DVec3::new(1.0, 2.0, 0.1));
+    assert_eq!(second.transform.transform_point3(DVec3::ONE), DVec3::new(2.0, 6.0, -2.0));
+    let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&first.shape, &second.shape) else {
+        panic!("{scene:?}")
+    };
+    assert!(Arc::ptr_eq(a, b));
+    let moved = read(&text, &["object.instances.1.translate=[0, 5, 0]"]).unwrap();
+    assert_eq!(moved.objects[1].transform.translation, DVec3::Y * 5.0);
 }
 
 #[test]

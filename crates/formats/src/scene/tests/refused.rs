@@ -243,6 +243,27 @@ fn keys_of_one_source_are_refused_on_another() {
 }
 
 #[test]
+fn instances_are_checked() {
+    let with = |instances: &str| {
+        let keys = format!("shape = \"sphere\"\ninstances = {instances}");
+        refusal(&LEAST.replace("shape = \"sphere\"", &keys), &[])
+    };
+    assert!(with("[]").contains("object.0.instances = []: must hold a place"));
+    assert!(with("{}").contains("object.0.instances"));
+    assert!(with("[1]").contains("object.0.instances"));
+    assert!(with("[{ scale = 0 }]").contains("object.0.instances.0.scale = 0: must be finite"));
+    assert!(
+        with("[{}, { albedo = 2 }]").contains("object.0.instances.1.albedo = 2: each must be 0")
+    );
+    assert!(
+        with("[{ rotat = [0, 0, 0] }]").contains("did you mean `object.0.instances.0.rotate`?")
+    );
+    assert!(with("[{ scale = 1e12, translate = [1, 2] }]").contains("object.0.instances.0"));
+    let far = "[{ scale = 1e12 }]\nscale = 1e3";
+    assert!(with(far).contains("object.0.instances.0.scale = 1e12: the object reaches"));
+}
+
+#[test]
 fn lattices_are_checked() {
     let lattice = |lines: &str| {
         let head = &LEAST[..LEAST.find("source").unwrap()];

@@ -1,0 +1,213 @@
+//! From a scene to a film: passes over tiles.
+//!
+//! A pass adds a few samples to every pixel. Its tasks, each some samples of one tile, are dealt out
+//! by one atomic counter (`passes`). Each thread draws all its paths from one stream (`stream`) that
+//! goes on from task to task and from pass to pass, so that its flight never runs dry before the
+//! render ends; samples come back in any order and are added to their tile in batches (`tile_sums`).
+//! A tile's lock is taken once a batch and hardly ever found held, and nothing else is shared. Sums
+//! are exact, so the film is the same whatever the threads, tiles and passes were.
+
+mod passes;
+mod stream;
+mod tile_sums;
+
+use crate::statistics::Statistics;
+use crate::transport::trace;
+use crate::{RenderError, Scene};
+use passes::Passes;
+use snowgrain_accel::SimdLevel;
+use snowgrain_film::{Film, FilmError, FilmIdentity, Layer, Picture, PixelRect};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use stream::Stream;
+use tile_sums::TileSums;
+
+/// Pixels along an edge of a tile. Its sums (53 kB) stay in a core's cache while a task adds to them;
+/// small enough that a thumbnail keeps many threads busy.
+const TILE: u32 = 16;
+
+/// What part of the picture to render, and how.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// Samples of every pixel, by index.
+    pub samples: Range<u64>,
+    /// Pixels, half-open.
+    pub crop: PixelRect,
+    /// Instruction set of the kernels.
+    pub level: SimdLevel,
+}
+
+/// How a render talks to whoever started it.
+pub struct RenderControl<'a> {
+    /// Set from outside to stop: the passes that are complete are kept.
+    pub stop: &'a AtomicBool,
+    /// Counts samples as tasks are done.
+    pub samples_done: &'a AtomicU64,
+    /// Told how many samples every pixel has whenever a pass is complete, by the thread that
+    /// completed it, while others go on: to be left soon.
+    pub after_pass: &'a (dyn Fn(u64) + Sync),
+}
+
+/// A film and how it came about.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The film. Where it says that it holds no samples, the render was stopped before every pixel
+    /// had one: then its pixels show what there was, but they cannot be merged or continued.
+    pub film: Film,
+    /// Counts of all its paths.
+    pub statistics: Statistics,
+    /// Whether all samples were rendered (else the render was stopped).
+    pub complete: bool,
+}
+
+/// A render under way: any thread may look at it while others work on it.
+pub struct Rendering<'a> {
+    scene: &'a Scene,
+    settings: &'a RenderSettings,
+    passes: Passes,
+    /// As [`PixelRect::tiles`] orders them.
+    tiles: Vec<SharedTile<'a>>,
+    /// Set with `fault`, so that all threads stop.
+    failed: AtomicBool,
+    fault: Mutex<Option<RenderError>>,
+}
+
+/// A tile on cache lines of its own (two, as processors fetch them in pairs).
+#[repr(align(128))]
+struct SharedTile<'a> {
+    rect: PixelRect,
+    sums: Mutex<TileSums<'a>>,
+}
+
+/// Renders with the threads of the current rayon pool.
+///
+/// # Errors
+/// As [`render_with`] and [`Rendering::run`].
+pub fn render(
+    scene: &Scene,
+    settings: &RenderSettings,
+    control: &RenderControl<'_>,
+) -> Result<Rendered, RenderError> {
+    let (rendered, ran) = render_with(scene, settings, |rendering| rendering.run(control))?;
+    ran.map(|()| rendered)
+}
+
+/// Hands a render of which nothing is done yet to `work`, which is to call [`Rendering::run`] and may
+/// look at it meanwhile; then gives the film, and what `work` gave.
+///
+/// # Errors
+/// A crop that the film refuses, more pixels than memory, sums that leave their range.
+pub fn render_with<T>(
+    scene: &Scene,
+    settings: &RenderSettings,
+    work: impl FnOnce(&Rendering<'_>) -> T,
+) -> Result<(Rendered, T), RenderError> {
+    let identity = FilmIdentity { scene_hash: scene.hash, seed: scene.film.seed };
+    let crop = settings.crop;
+    let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
+    let rendering = Rendering::new(scene, settings, &mut film);
+    let result = work(&rendering);
+    let (complete, done) = (rendering.passes.complete(), rendering.passes.samples());
+    let mut statistics = Statistics::default();
+    for tile in rendering.tiles {
+        let mut sums = tile.sums.into_inner().unwrap_or_else(PoisonError::into_inner);
+        sums.settle(complete)?;
+        statistics.add(sums.statistics());
+    }
+    let complete = done.end == settings.samples.end;
+    if !done.is_empty() {
+        film.record_samples(done)?;
+    }
+    Ok((Rendered { film, statistics, complete }, result))
+}
+
+impl<'a> Rendering<'a> {
+    fn new(scene: &'a Scene, settings: &'a RenderSettings, film: &'a mut Film) -> Self {
+        let crop = settings.crop;
+        let tiles: Vec<_> = film
+            .tiles_mut(TILE)
+            .into_iter()
+            .map(|base| SharedTile { rect: base.rect(), sums: Mutex::new(TileSums::new(base)) })
+            .collect();
+        let pixels = u64::from(TILE.min(crop.width())) * u64::from(TILE.min(crop.height()));
+        Self {
+            scene,
+            settings,
+            passes: Passes::new(settings.samples.clone(), tiles.len(), pixels),
+            tiles,
+            failed: AtomicBool::new(false),
+            fault: Mutex::new(None),
+        }
+    }
+
+    /// Renders with the threads of the current rayon pool, until all is done or `control` stops it.
+    ///
+    /// # Errors
+    /// A sample that the film cannot hold, light that is enclosed, or tiles beyond memory.
+    pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
+        rayon::broadcast(|_| {
+            let mut stream = Stream::new(self, control);
+            trace(&self.scene.world, self.settings.level, &mut stream);
+            stream.flush();
+        });
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();
+        fault.map_or(Ok(()), Err)
+    }
+
+    /// The colours of all samples so far, complete passes or not; `None` where there is too little.
+    /// In the first pass, pixels without a sample show what a neighbour of at most three pixels to
+    /// the left and above does.
+    ///
+    /// # Errors
+    /// More pixels than memory.
+    pub fn preview(&self) -> Result<Option<Picture>, RenderError> {
+        let crop = self.settings.crop;
+        let count = usize::try_from(crop.area()).unwrap_or(usize::MAX);
+        let mut layers = [const { Vec::<f32>::new() }; 3];
+        for layer in &mut layers {
+            layer.try_reserve_exact(count).map_err(|_| FilmError::TooLarge {
+                pixels: crop.area(),
+                bytes: u128::from(crop.area()) * 12,
+            })?;
+            layer.resize(count, 0.0);
+        }
+        for shared in &self.tiles {
+            let sums = shared.lock();
+            for (x, y) in pixels_of(shared.rect) {
+                let Some(colour) = sums.colour(x, y) else { return Ok(None) };
+                let at = crop.index(x, y).unwrap_or(0);
+                layers.iter_mut().zip(colour).for_each(|(layer, value)| layer[at] = value);
+            }
+        }
+        let mut picture = Picture::new(self.scene.film.width, self.scene.film.height, crop)?;
+        for (layer, values) in Layer::COLOUR.into_iter().zip(layers) {
+            picture.set_layer(layer, values)?;
+        }
+        Ok(Some(picture))
+    }
+
+    /// Samples that every pixel has so far.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        let samples = self.passes.samples();
+        samples.end - samples.start
+    }
+
+    /// Keeps the first fault and stops all threads.
+    fn fail(&self, fault: RenderError) {
+        self.fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(fault);
+        self.failed.store(true, Ordering::Relaxed);
+    }
+}
+
+impl<'a> SharedTile<'a> {
+    fn lock(&self) -> MutexGuard<'_, TileSums<'a>> {
+        self.sums.lock().expect("no thread panics while it holds a tile")
+    }
+}
+
+/// Pixels in row-major order.
+fn pixels_of(rect: PixelRect) -> impl Iterator<Item = (u32, u32)> {
+    (rect.y0..rect.y1).flat_map(move |y| (rect.x0..rect.x1).map(move |x| (x, y)))
+}

@@ -1,0 +1,336 @@
+//! The paths of one thread: one stream through many tasks.
+//!
+//! While the last paths of a task are under way the first of the next ones begin, in the same pass or
+//! not, so that the lanes of the flight stay full. A sample that comes back waits with others of its
+//! task until there are enough of them to lock the tile and add them all.
+
+use super::passes::{Part, Pass, Task};
+use super::tile_sums::COARSE;
+use super::{RenderControl, Rendering, TILE};
+use crate::RenderError;
+use crate::statistics::Statistics;
+use crate::transport::{NewPath, PathEnd, PathResult, PathSource};
+use snowgrain_film::{PixelRect, Sample};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::trig;
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Samples that wait before their tile is locked.
+const BATCH: usize = 64;
+
+/// Most paths that are prepared at once.
+const PREPARED: u64 = 16;
+
+/// The paths of one thread.
+pub(super) struct Stream<'a, 'film> {
+    rendering: &'a Rendering<'film>,
+    control: &'a RenderControl<'a>,
+    /// Pass of the last task.
+    pass: Option<Arc<Pass>>,
+    /// Tasks of which samples are under way, by slot; and the slots that are free.
+    open: Vec<OpenTask>,
+    free: Vec<u32>,
+    dealing: Option<Dealing>,
+    /// Paths that are prepared, the next one last.
+    ready: Vec<NewPath<Tag>>,
+    dry: bool,
+}
+
+/// A task of which samples are under way.
+struct OpenTask {
+    pass: Arc<Pass>,
+    tile: usize,
+    /// Paths that are under way, and whether there are no more to come.
+    under_way: u32,
+    dealt: bool,
+    /// Paths so far.
+    paths: u64,
+    samples: Vec<((u32, u32), Sample)>,
+    /// Counts of the samples that wait.
+    statistics: Statistics,
+}
+
+/// The task whose paths are being dealt out: pixel by pixel in Morton order, so that paths that are
+/// under way together meet the same grains.
+struct Dealing {
+    slot: u32,
+    rect: PixelRect,
+    part: Part,
+    samples: Range<u64>,
+    /// Number of the pixel in Morton order, and the pixel.
+    morton: u32,
+    pixel: (u32, u32),
+    sample: u64,
+}
+
+/// What ties a sample to its task and pixel.
+#[derive(Clone, Copy)]
+pub(super) struct Tag {
+    slot: u32,
+    x: u32,
+    y: u32,
+}
+
+impl PathSource for Stream<'_, '_> {
+    type Tag = Tag;
+
+    fn next_path(&mut self) -> Option<NewPath<Tag>> {
+        if self.ready.is_empty() && !self.prepare() {
+            return None;
+        }
+        self.ready.pop()
+    }
+
+    fn finish(&mut self, Tag { slot, x, y }: Tag, path: &PathResult) {
+        if path.end == PathEnd::Enclosed {
+            self.rendering.fail(RenderError::Enclosed { x, y });
+        }
+        let sample = self.sample_of(path);
+        let task = &mut self.open[slot as usize];
+        task.statistics.count(path);
+        task.samples.push(((x, y), sample));
+        task.under_way -= 1;
+        if task.samples.len() == BATCH {
+            self.flush_task(slot);
+        }
+        self.close_if_done(slot);
+    }
+}
+
+impl<'a, 'film> Stream<'a, 'film> {
+    pub(super) fn new(rendering: &'a Rendering<'film>, control: &'a RenderControl<'a>) -> Self {
+        Self {
+            rendering,
+            control,
+            pass: None,
+            open: Vec::new(),
+            free: Vec::new(),
+            dealing: None,
+            ready: Vec::with_capacity(PREPARED as usize),
+            dry: false,
+        }
+    }
+
+    /// Adds what waits; the samples of tasks that were stopped half-way are left where they are.
+    pub(super) fn flush(&mut self) {
+        for slot in 0..self.open.len() as u32 {
+            self.flush_task(slot);
+        }
+    }
+
+    /// Prepares some paths at once, which takes half the time of one by one: what each waits for, others
+    /// fill. `false` where there are no more.
+    fn prepare(&mut self) -> bool {
+        while self.dealing.as_ref().is_none_or(|dealing| dealing.sample == dealing.samples.end) {
+            if !self.go_on() {
+                return false;
+            }
+        }
+        let Some(dealing) = &mut self.dealing else { return false };
+        let scene = self.rendering.scene;
+        let (slot, (x, y)) = (dealing.slot, dealing.pixel);
+        let stream = u64::from(y) * u64::from(scene.film.width) + u64::from(x);
+        let first = dealing.sample;
+        dealing.sample = dealing.samples.end.min(first + PREPARED);
+        self.open[slot as usize].under_way += (dealing.sample - first) as u32;
+        // Backwards, as they are taken from the end.
+        self.ready.extend((first..dealing.sample).rev().map(|sample| {
+            let key = PathKey::new(scene.film.seed, stream, sample);
+            let [jitter_x, jitter_y, _] = numbers(key, 0);
+            let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
+            let ray = scene.camera.ray(px, py);
+            NewPath { tag: Tag { slot, x, y }, ray, key, event: 1 }
+        }));
+        true
+    }
+
+    /// Goes on to the next pixel, or towards the next task; `false` where there are no more paths.
+    fn go_on(&mut self) -> bool {
+        if self.is_stopped() {
+            return false;
+        }
+        let Some(dealing) = &mut self.dealing else { return !self.dry && self.take_task() };
+        if !dealing.next_pixel() {
+            let slot = dealing.slot;
+            self.dealing = None;
+            self.open[slot as usize].dealt = true;
+            self.close_if_done(slot);
+        }
+        true
+    }
+
+    /// Whether no more paths are wanted.
+    fn is_stopped(&mut self) -> bool {
+        let stopped = self.control.stop.load(Ordering::Relaxed)
+            || self.rendering.failed.load(Ordering::Relaxed);
+        if stopped {
+            self.dry = true;
+            self.dealing = None;
+        }
+        stopped
+    }
+
+    fn take_task(&mut self) -> bool {
+        let Some(Task { pass, tile, part }) = self.rendering.passes.take(&mut self.pass) else {
+            self.dry = true;
+            return false;
+        };
+        let rect = self.rendering.tiles[tile].rect;
+        let open = OpenTask {
+            pass,
+            tile,
+            under_way: 0,
+            dealt: false,
+            paths: 0,
+            samples: Vec::new(),
+            statistics: Statistics::default(),
+        };
+        let slot = self.slot_for(open);
+        let samples = part.samples().clone();
+        let mut dealing = Dealing {
+            slot,
+            rect,
+            part,
+            sample: samples.start,
+            samples,
+            morton: 0,
+            pixel: (rect.x0, rect.y0),
+        };
+        if !dealing.has_pixel() {
+            // The corner belongs to the coarse part.
+            dealing.sample = dealing.samples.end;
+        }
+        self.dealing = Some(dealing);
+        true
+    }
+
+    fn slot_for(&mut self, mut task: OpenTask) -> u32 {
+        match self.free.pop() {
+            Some(slot) => {
+                // The memory of the samples is used again.
+                task.samples = std::mem::take(&mut self.open[slot as usize].samples);
+                self.open[slot as usize] = task;
+                slot
+            }
+            None => {
+                task.samples.reserve_exact(BATCH);
+                self.open.push(task);
+                self.open.len() as u32 - 1
+            }
+        }
+    }
+
+    fn close_if_done(&mut self, slot: u32) {
+        let task = &self.open[slot as usize];
+        if !task.dealt || task.under_way > 0 {
+            return;
+        }
+        self.flush_task(slot);
+        let task = &self.open[slot as usize];
+        self.control.samples_done.fetch_add(task.paths, Ordering::Relaxed);
+        if !self.rendering.failed.load(Ordering::Relaxed)
+            && let Some(samples) = self.rendering.passes.done(&task.pass)
+        {
+            (self.control.after_pass)(samples);
+        }
+        self.free.push(slot);
+    }
+
+    /// Adds the samples of a task that wait.
+    fn flush_task(&mut self, slot: u32) {
+        let task = &mut self.open[slot as usize];
+        if task.samples.is_empty() {
+            return;
+        }
+        let complete = self.rendering.passes.complete();
+        let added = self.rendering.tiles[task.tile].lock().add(
+            task.pass.index,
+            &task.samples,
+            &task.statistics,
+            complete,
+        );
+        if let Err(fault) = added {
+            self.rendering.fail(fault.into());
+        }
+        task.paths += task.samples.len() as u64;
+        task.samples.clear();
+        task.statistics = Statistics::default();
+    }
+
+    fn sample_of(&self, path: &PathResult) -> Sample {
+        let scene = self.rendering.scene;
+        let radiance = match (path.end, path.first_hit) {
+            (PathEnd::Escaped(ray), None) => scene.environment.seen_by_camera(ray.direction),
+            (PathEnd::Escaped(ray), Some(_)) => {
+                let light = scene.environment.radiance(ray.direction);
+                let ice = -scene.ice.absorption_per_metre * path.ice_length;
+                let ice = if ice == 0.0 { 1.0 } else { trig::exp(ice) as f32 };
+                std::array::from_fn(|c| light[c] * path.throughput[c] * ice)
+            }
+            (PathEnd::Absorbed | PathEnd::Enclosed, _) => [0.0; 3],
+        };
+        match path.first_hit {
+            None => Sample { radiance, alpha: 0.0, depth: f32::INFINITY, ..Sample::default() },
+            Some(hit) => Sample {
+                radiance,
+                alpha: 1.0,
+                albedo: hit.albedo,
+                normal: hit.normal.to_array().map(|v| v as f32),
+                depth: scene.camera.depth(hit.position) as f32,
+            },
+        }
+    }
+}
+
+impl Dealing {
+    /// Goes on to the next pixel, if there is one.
+    fn next_pixel(&mut self) -> bool {
+        while self.morton + 1 < TILE * TILE {
+            self.morton += 1;
+            self.pixel =
+                (self.rect.x0 + even_bits(self.morton), self.rect.y0 + even_bits(self.morton >> 1));
+            if self.has_pixel() {
+                self.sample = self.samples.start;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether the pixel is in the tile and belongs to the part.
+    fn has_pixel(&self) -> bool {
+        let (x, y) = self.pixel;
+        let is_coarse =
+            (x - self.rect.x0).is_multiple_of(COARSE) && (y - self.rect.y0).is_multiple_of(COARSE);
+        self.rect.contains(x, y)
+            && match self.part {
+                Part::Coarse(_) => is_coarse,
+                Part::Rest(_) => !is_coarse,
+                Part::Whole(_) => true,
+            }
+    }
+}
+
+/// The bits 0, 2, 4, 6 of a number under 256, together.
+fn even_bits(number: u32) -> u32 {
+    let bits = number & 0x55;
+    let pairs = (bits | bits >> 1) & 0x33;
+    (pairs | pairs >> 2) & 0xf
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_order_meets_every_pixel_of_a_tile_once() {
+        let mut seen = [false; (TILE * TILE) as usize];
+        for morton in 0..TILE * TILE {
+            let (x, y) = (even_bits(morton), even_bits(morton >> 1));
+            assert!(x < TILE && y < TILE);
+            assert!(!std::mem::replace(&mut seen[(y * TILE + x) as usize], true));
+        }
+    }
+}
