@@ -92,16 +92,16 @@ impl GrainStacks {
     /// [`GrainStacksError::AreaTooLarge`].
     pub fn periodic(
         corner: [i32; 2],
-        counts: [u16; 2],
+        counts: [u32; 2],
         side: u16,
         drift: [f64; 2],
     ) -> Result<Self, GrainStacksError> {
         let mut plan = Plan::new(corner, side, true, drift);
-        plan.counts = counts.map(|count| i32::from(count.max(1)));
-        let cells = i64::from(plan.counts[0]) * i64::from(plan.counts[1]);
+        let cells = i64::from(counts[0].max(1)).saturating_mul(counts[1].max(1).into());
         if cells > MOST_CELLS {
             return Err(GrainStacksError::AreaTooLarge { cells });
         }
+        plan.counts = counts.map(|count| count.max(1).cast_signed());
         let mut stacks = Self { plan, tiles: Vec::new(), names: 0 };
         let [columns, rows] = plan.tiles();
         stacks.tiles = (0..columns * rows).map(|_| stacks.new_tile()).collect();
@@ -295,7 +295,7 @@ impl GrainStacks {
     /// The grains of a part; those of all parts, one after another, come as from [`Self::iter`].
     pub fn part(&self, part: usize) -> impl Iterator<Item = QuantisedGrain> + '_ {
         let step = self.rows_per_part();
-        let from = (part as i32).saturating_mul(step);
+        let from = i32::try_from(part).unwrap_or(i32::MAX).saturating_mul(step);
         let until = from.saturating_add(step).min(self.plan.counts[1]);
         (from..until).flat_map(move |row| self.row(row))
     }

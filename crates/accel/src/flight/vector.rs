@@ -1,4 +1,4 @@
-//! Vectors of as many paths as the SIMD level handles at once.
+//! Vectors of sixteen paths.
 //!
 //! Every operation acts on each path alone and rounds as IEEE 754 says (no fused multiply-add), so a
 //! path's numbers do not depend on how many others travel beside it.
@@ -12,10 +12,9 @@ pub(super) type W<S> = fearless_simd::u32x16<S>;
 /// One truth a path.
 pub(super) type M<S> = fearless_simd::mask32x16<S>;
 
-/// Paths handled at once.
-pub(super) const fn width<S: Simd>() -> usize {
-    16
-}
+/// Paths handled at once: two native vectors on most machines, whose chains of dependent steps then
+/// overlap.
+pub(super) const WIDTH: usize = 16;
 
 /// One vector in space a path.
 #[derive(Clone, Copy)]
@@ -24,15 +23,15 @@ pub(super) struct Vector<S: Simd>(pub(super) F<S>, pub(super) F<S>, pub(super) F
 impl<S: Simd> Vector<S> {
     #[inline(always)]
     pub(super) fn load<const N: usize>(simd: S, axes: &[[f32; N]; 3], at: usize) -> Self {
-        let part = |axis: usize| F::<S>::from_slice(simd, &axes[axis][at..at + width::<S>()]);
+        let part = |axis: usize| F::<S>::from_slice(simd, &axes[axis][at..at + WIDTH]);
         Self(part(0), part(1), part(2))
     }
 
     #[inline(always)]
     pub(super) fn store<const N: usize>(self, axes: &mut [[f32; N]; 3], at: usize) {
-        self.0.store_slice(&mut axes[0][at..at + width::<S>()]);
-        self.1.store_slice(&mut axes[1][at..at + width::<S>()]);
-        self.2.store_slice(&mut axes[2][at..at + width::<S>()]);
+        self.0.store_slice(&mut axes[0][at..at + WIDTH]);
+        self.1.store_slice(&mut axes[1][at..at + WIDTH]);
+        self.2.store_slice(&mut axes[2][at..at + WIDTH]);
     }
 
     #[inline(always)]

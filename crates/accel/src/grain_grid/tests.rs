@@ -9,13 +9,17 @@ use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::{PathKey, numbers};
 
+fn squared(x: f32) -> f32 {
+    x * x
+}
+
 /// Grains with centres in a cube, radii between two bounds, quanta.
 fn strewn(count: u64, edge: f32, [least, most]: [f32; 2]) -> Vec<QuantisedGrain> {
     let random = |index, event| numbers(PathKey::new(3, index, 0), event);
     (0..count)
         .map(|index| QuantisedGrain {
             center: random(index, 0).map(|u| (u * edge - 0.4 * edge) as i32),
-            radius: (least + (most - least) * random(index, 1)[0].powi(4)) as u16,
+            radius: (least + (most - least) * squared(squared(random(index, 1)[0]))) as u16,
         })
         .collect()
 }

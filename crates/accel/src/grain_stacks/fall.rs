@@ -332,7 +332,7 @@ fn contact_heights<const LEANING: bool>(
     let (drift_x, drift_z, rise) =
         (plan.drift.x as f32, plan.drift.z as f32, plan.drift.rise as f32);
     let square_margin = if LEANING { LEANING_SQUARE_MARGIN } else { SQUARE_MARGIN };
-    let count = block.count() as i32;
+    let count = block.count() as u32;
     for lane in 0..LANES {
         let dx = x - f32::from(block.x[lane]);
         let dz = z - f32::from(block.z[lane]);
@@ -346,7 +346,7 @@ fn contact_heights<const LEANING: bool>(
         let up = if square > 0.0 { square } else { 0.0 }.sqrt();
         let up = if LEANING { rise * (up - along) } else { up };
         let at = (block.y[lane].wrapping_sub(base)) as f32 + up;
-        let held = (lane as i32) < count;
+        let held = (lane as u32) < count;
         heights[lane] = if (square > -square_margin) & held { at } else { f32::NEG_INFINITY };
         let sure = if (square > square_margin) & held { at } else { f32::NEG_INFINITY };
         most[lane] = if sure > most[lane] { sure } else { most[lane] };

@@ -127,7 +127,7 @@ impl GrainStacks {
     /// The regions of a layout of this plan, in its order.
     pub fn regions(&mut self, layout: &RegionLayout) -> Vec<StackRegion<'_>> {
         let tile_columns = self.plan.tiles()[0];
-        let mut regions: Vec<StackRegion<'_>> = (0..layout.len() as i32)
+        let mut regions: Vec<StackRegion<'_>> = (0..layout.counts[0] * layout.counts[1])
             .map(|index| {
                 let at = [index % layout.counts[0], index / layout.counts[0]];
                 let first = at.map(|at| ((at << layout.edge_bits) - layout.shift).max(0));

@@ -59,6 +59,8 @@ pub struct Quad {
 }
 
 const NOWHERE: u32 = u32::MAX;
+/// Columns and rows of the four from the first.
+const ASIDE: [[i32; 2]; 4] = [[0, 0], [1, 0], [0, 1], [1, 1]];
 
 impl Quad {
     /// Whether these cells are all that a fall may touch.
@@ -99,7 +101,7 @@ impl<'a, T: Borrow<Tile>> Window<'a, T> {
             return Quad { spans, cells };
         }
         let cells = std::array::from_fn(|which| {
-            let place = self.plan.place(column + (which as i32 & 1), row + (which as i32 >> 1));
+            let place = self.plan.place(column + ASIDE[which][0], row + ASIDE[which][1]);
             let tile = place.and_then(|place| self.frame.tile_index(place));
             let cell = place.map_or(0, Tile::cell_index);
             (tile.map_or(NOWHERE, |tile| tile as u32), cell as u32)
@@ -114,7 +116,7 @@ impl<'a, T: Borrow<Tile>> Window<'a, T> {
         let tile: &Tile = self.tiles.get(tile as usize)?.borrow();
         let cell = tile.cells[cell as usize];
         let [column, row] = quad.spans.map(|span| span.nearest);
-        let corner = self.plan.corner(column + (which as i32 & 1), row + (which as i32 >> 1));
+        let corner = self.plan.corner(column + ASIDE[which][0], row + ASIDE[which][1]);
         let Cell { newest, top } = cell;
         (newest != NO_BLOCK).then_some(SeenCell { tile, newest, top, corner })
     }

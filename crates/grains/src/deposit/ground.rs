@@ -117,7 +117,8 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// Stacks over `plan`, with cells of `side`; a periodic plan has its own.
+    /// Stacks over `plan`, with cells of `side`; those of a periodic plan divide its own cells into
+    /// equal parts that are at least as wide.
     pub(super) fn new_stacks(
         &self,
         plan: PlanRectangle,
@@ -126,8 +127,12 @@ impl<'a> Ground<'a> {
     ) -> Result<GrainStacks, GrainStacksError> {
         match &self.kind {
             GroundKind::Surfaces { .. } => GrainStacks::new(plan, side, drift),
-            GroundKind::LevelFloor { counts, side } => {
-                GrainStacks::periodic([0, 0], *counts, *side, drift)
+            GroundKind::LevelFloor { counts, side: whole } => {
+                let most = (whole / side.max(1)).max(1);
+                let divides = |parts: &u16| whole.is_multiple_of(*parts);
+                let parts = (1..=most).rev().find(divides).unwrap_or(1);
+                let counts = counts.map(|count| u32::from(count) * u32::from(parts));
+                GrainStacks::periodic([0, 0], counts, whole / parts, drift)
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::{CrystalFlight, FirstGrains, GROUP, Group};
 use crate::flight::FlightEvent;
 use crate::flight::sphere::{Arrival, Ice, visit};
-use crate::flight::vector::{F, M, Vector, W, width};
+use crate::flight::vector::{F, M, Vector, W, WIDTH};
 use crate::grain_grid::{LatticeSites, SiteKind};
 use fearless_simd::prelude::*;
 
@@ -70,7 +70,7 @@ fn run_in<S: Simd, L: Lattice>(
         for index in 0..groups {
             let (group, first) = (&mut flight.groups[index], &mut flight.first[index]);
             let mut left = 0;
-            for at in (0..GROUP).step_by(width::<S>()) {
+            for at in (0..GROUP).step_by(WIDTH) {
                 left |= round::<S, L>(simd, flight.sites, flight.ice, group, first, at) << at;
             }
             while left != 0 {
@@ -189,7 +189,7 @@ fn round<S: Simd, L: Lattice>(
     let splat = |v: f32| F::<S>::splat(simd, v);
     let word = |v: u32| W::<S>::splat(simd, v);
     let zero = splat(0.0);
-    let range = at..at + width::<S>();
+    let range = at..at + WIDTH;
     let words = |array: &[u32; GROUP]| W::<S>::from_slice(simd, &array[range.clone()]);
     let numbers = |array: &[f32; GROUP]| F::<S>::from_slice(simd, &array[range.clone()]);
 

@@ -70,7 +70,7 @@ impl Packer<'_> {
         }
         let mut blocks = 0;
         for (cell, (entry, &count)) in entries.iter_mut().zip(&counts).enumerate() {
-            let at = [cell & 7, cell >> 3 & 7, cell >> 6].map(|c| c as i32);
+            let at = [cell & 7, cell >> 3 & 7, cell >> 6].map(|c| (c as u32).cast_signed());
             let exists = (0..3).all(|axis| at[axis] < cells[axis]);
             let surface = brick.surface && exists && {
                 let from = std::array::from_fn(|axis| place[axis] * BRICK + at[axis]);
@@ -114,9 +114,9 @@ impl Packer<'_> {
             let slot = usize::from(slot);
             let at = starts[cell] as usize + slot / GRAINS_PER_BLOCK;
             let ReachingGrain { center, radius, .. } = grains[grain as usize];
-            let corner = [cell & 7, cell >> 3 & 7, cell >> 6];
+            let corner = [cell & 7, cell >> 3 & 7, cell >> 6].map(|c| (c as u32).cast_signed());
             let local = std::array::from_fn(|axis| {
-                (center[axis] - corner[axis] as i32 * self.layout.side[axis] + self.margin) as u16
+                (center[axis] - corner[axis] * self.layout.side[axis] + self.margin) as u16
             });
             blocks[at].set(slot % GRAINS_PER_BLOCK, local, radius);
             owners[at][slot % GRAINS_PER_BLOCK] = grain;

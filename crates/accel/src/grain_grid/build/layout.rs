@@ -97,7 +97,8 @@ impl Layout {
     /// The brick of that number.
     pub(super) fn brick(&self, number: usize) -> [i32; 3] {
         let [along_x, along_y, _] = self.bricks().map(|n| n as usize);
-        [number % along_x, number / along_x % along_y, number / along_x / along_y].map(|b| b as i32)
+        [number % along_x, number / along_x % along_y, number / along_x / along_y]
+            .map(|b| (b as u32).cast_signed())
     }
 
     /// Cells of a brick along each axis: fewer than eight at the grid's upper faces.
@@ -221,10 +222,10 @@ impl Layout {
         for z in ends[2][0]..=ends[2][1] {
             for y in ends[1][0]..=ends[1][1] {
                 let across = gaps[2][z] + gaps[1][y];
-                for x in ends[0][0]..=ends[0][1] {
-                    if across + gaps[0][x] <= reach2 {
-                        let [a, b, c] = self.side;
-                        let corner = [x as i32 * a, y as i32 * b, z as i32 * c];
+                for (x, gap) in gaps[0].iter().enumerate().take(ends[0][1] + 1).skip(ends[0][0]) {
+                    if across + gap <= reach2 {
+                        let at = [x, y, z].map(|c| (c as u32).cast_signed());
+                        let corner = std::array::from_fn(|axis| at[axis] * self.side[axis]);
                         visit((z * 8 + y) * 8 + x, corner);
                     }
                 }

@@ -56,7 +56,7 @@ pub(super) fn mark_overlapping<S: Simd>(_: S, cell: &ListedGrains<'_>, overlappi
 #[inline(always)]
 fn overlaps_any(block: &Block, center: [u16; 3], radius: u16, but: usize) -> bool {
     let mut hits = [0u16; GRAINS_PER_BLOCK];
-    for slot in 0..GRAINS_PER_BLOCK {
+    for (slot, hit) in hits.iter_mut().enumerate() {
         let other = block.radius[slot];
         let touch = TOUCH.min(radius.min(other) / 16);
         let sum = radius + other - touch;
@@ -69,7 +69,7 @@ fn overlaps_any(block: &Block, center: [u16; 3], radius: u16, but: usize) -> boo
             + square(block.y[slot], center[1])
             + square(block.z[slot], center[2]);
         let sum2 = u32::from(sum) * u32::from(sum);
-        hits[slot] = u16::from((distance2 < sum2) & (other > 0));
+        *hit = u16::from((distance2 < sum2) & (other > 0));
     }
     if but < GRAINS_PER_BLOCK {
         hits[but] = 0;
