@@ -59,6 +59,7 @@ impl Aabb {
     }
 
     /// The stretch `t0..t1` of the ray (from `t = 0`) inside the box, `None` where they do not meet.
+    #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (mut t0, mut t1) = (0.0f64, f64::INFINITY);

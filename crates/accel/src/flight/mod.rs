@@ -105,12 +105,14 @@ impl<'a> Flight<'a> {
 
     /// Makes `lane` the lane of a new path whose next random event is `event`; [`Self::enter`] then
     /// puts it into the grid.
+    #[inline]
     pub fn launch(&mut self, lane: usize, key: PathKey, event: u32) {
         both!(&mut self.engine, flight => flight.launch(lane, key, event));
     }
 
     /// Puts the path of `lane` into the grid: in air at `place`, along the unit vector
     /// `direction`, having left the surface `excluded`.
+    #[inline]
     pub fn enter(
         &mut self,
         lane: usize,
@@ -149,6 +151,7 @@ impl<'a> Flight<'a> {
     }
 
     /// Ends the path of `lane`.
+    #[inline]
     pub fn retire(&mut self, lane: usize) {
         both!(&mut self.engine, flight => flight.retire(lane));
     }
@@ -166,11 +169,13 @@ impl<'a> Flight<'a> {
 
     /// Lets all paths travel until at least one needs its caller; adds `(lane, event)` of each that
     /// does to `events`, none if no path is in flight.
+    #[inline]
     pub fn advance(&mut self, events: &mut Vec<(usize, FlightEvent)>) {
         both!(&mut self.engine, flight => flight.advance(self.level, events));
     }
 
     /// The ray along which the path of `lane` travels, from where it stands (metres).
+    #[inline]
     #[must_use]
     pub fn ray(&self, lane: usize) -> Ray {
         let (place, direction) =
@@ -180,6 +185,7 @@ impl<'a> Flight<'a> {
     }
 
     /// What the path of `lane` has done so far.
+    #[inline]
     #[must_use]
     pub fn travelled(&self, lane: usize) -> Travelled {
         let quantum = self.grid.quantum();
@@ -187,12 +193,14 @@ impl<'a> Flight<'a> {
     }
 
     /// The first grain that the path of `lane` met, if it met one.
+    #[inline]
     #[must_use]
     pub fn first_grain(&self, lane: usize) -> Option<FirstGrain> {
         both!(&self.engine, flight => flight.first_grain(lane, |place| self.grid.world(place)))
     }
 
     /// The surface on which the present stretch of the path of `lane` began, if it began on one.
+    #[inline]
     #[must_use]
     pub fn excluded(&self, lane: usize) -> Option<SurfaceId> {
         match &self.engine {

@@ -197,6 +197,7 @@ impl GrainGrid {
     }
 
     /// The box of all cells, metres; infinite along periodic axes.
+    #[inline]
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         if let Storage::Sites(sites) = &self.storage {
@@ -234,6 +235,7 @@ impl GrainGrid {
 
     /// Where the ray enters the box of cells: the distance in metres (0 if it starts inside) and
     /// the place. `None` if it misses.
+    #[inline]
     #[must_use]
     pub fn enter(&self, ray: &Ray) -> Option<(f64, GridPosition)> {
         if self.grains == 0 {
@@ -244,6 +246,7 @@ impl GrainGrid {
     }
 
     /// The place of a point in metres, clamped into the box of cells (wrapped along periodic axes).
+    #[inline]
     #[must_use]
     pub fn locate(&self, point: DVec3) -> GridPosition {
         let quanta = self.quanta(point);
@@ -270,6 +273,7 @@ impl GrainGrid {
     }
 
     /// A place in metres (in the first period, where the grid is periodic).
+    #[inline]
     #[must_use]
     pub fn world(&self, place: GridPosition) -> DVec3 {
         if let Storage::Sites(sites) = &self.storage {
