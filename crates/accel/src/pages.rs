@@ -32,10 +32,12 @@ fn prefer_large_pages<T>(items: &mut [T]) {
     let _ = items;
 }
 
-/// `count` items of zero bytes, in large pages where the system has them; a page comes when it is
-/// first written, so that several threads can share that work.
-pub(crate) fn zeroed<T: bytemuck::Zeroable>(count: usize) -> Vec<T> {
-    let mut items = bytemuck::allocation::zeroed_vec(count);
-    prefer_large_pages(&mut items);
+/// `count` items of zero bytes, in large pages where the system has them.
+pub(crate) fn zeroed<T: bytemuck::Zeroable + Clone>(count: usize) -> Vec<T> {
+    let mut items = Vec::with_capacity(count);
+    // Before the memory is first written: asked for zeroed memory, the allocator would write that of
+    // an aligned type itself, in small pages.
+    prefer_large_pages(items.spare_capacity_mut());
+    items.resize(count, T::zeroed());
     items
 }
