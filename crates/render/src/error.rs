@@ -34,7 +34,7 @@ pub enum RenderError {
     },
     /// The scene needs more memory than there is.
     #[error(
-        "the scene needs about {needed} of memory and {available} may be used ({limit}); use fewer or larger grains, --packing compact, a smaller picture, or raise --max-memory"
+        "the scene needs about {needed} of memory and {available} may be used ({limit}); use fewer or larger grains, `integrator.packing = \"compact\"`, a smaller picture, or raise --max-memory"
     )]
     Memory {
         /// Estimated need, formatted.
