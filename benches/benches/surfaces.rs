@@ -94,5 +94,7 @@ fn measure(objects: &[(SurfaceShape, DAffine3)]) {
     println!("  {:6.2} M short rays/s ({yes} yes)", QUERIES as f64 / seconds / 1e6);
     rate("boxes", &|ray| surfaces.may_cross(&Aabb::new(ray.origin - SMALL, ray.origin + SMALL)));
     let top = bounds.max.y + 1.0;
-    rate("drops", &|ray| surfaces.drop_sphere(ray.origin.x, ray.origin.z, SMALL, top).is_some());
+    rate("drops", &|ray| {
+        surfaces.drop_sphere(ray.origin.x, ray.origin.z, SMALL, [top, f64::NEG_INFINITY]).is_some()
+    });
 }

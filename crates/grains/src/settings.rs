@@ -65,6 +65,16 @@ pub enum DepositRule {
     Roll,
 }
 
+impl DepositRule {
+    /// How far from its line of fall a grain may meet others, where none has a larger radius.
+    pub(crate) fn reach(self, radius: f64) -> f64 {
+        match self {
+            Self::Ray => radius,
+            Self::Stick | Self::Roll => 2.0 * radius,
+        }
+    }
+}
+
 /// A snowfall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepositSettings {

@@ -1,5 +1,6 @@
 //! A sphere that falls straight down onto a triangle.
 
+use super::SphereContact;
 use super::triangle::Triangle;
 use snowgrain_math::DVec3;
 
@@ -19,6 +20,8 @@ pub(super) struct Drop {
     pub(super) radius: f64,
     /// Height of the centre at the start.
     pub(super) start_y: f64,
+    /// Contacts at or below this height of the centre do not count, and need not be found.
+    pub(super) down_to: f64,
 }
 
 impl Drop {
@@ -28,6 +31,11 @@ impl Drop {
 
     pub(super) fn start(&self) -> DVec3 {
         self.center(self.start_y)
+    }
+
+    /// Height of the centre below which nothing matters once `first` is known.
+    pub(super) fn floor(&self, first: Option<&SphereContact>) -> f64 {
+        first.map_or(self.down_to, |held| held.center_y.max(self.down_to))
     }
 }
 

@@ -71,6 +71,9 @@ impl Ellipsoid {
         if offset.x.abs() > reach.x || offset.z.abs() > reach.z || offset.y < -reach.y {
             return None;
         }
+        if self.clearly_ends_below(drop) {
+            return None;
+        }
         let start_y = drop.start_y.min(self.center.y + reach.y);
         let start = self.nearest(drop.center(start_y));
         let y = if start.signed_distance.abs() <= drop.radius {
@@ -81,6 +84,16 @@ impl Ellipsoid {
             self.fall_inside(drop, start_y)
         };
         Some((y, self.touch(drop.center(y)).0))
+    }
+
+    /// Whether a fall from outside is still outside, and coming nearer, at the height where it stops
+    /// to matter: the distance to a convex body is convex along a line, so all above is outside.
+    fn clearly_ends_below(&self, drop: &Drop) -> bool {
+        if !drop.down_to.is_finite() || drop.down_to >= drop.start_y {
+            return false;
+        }
+        let last = self.nearest(drop.center(drop.down_to));
+        last.signed_distance > drop.radius && last.outwards.y > 0.0
     }
 
     /// Newton's method from above. The distance to a convex body is convex along a line, so it

@@ -234,10 +234,8 @@ impl Instance {
         let origin = self.local(tree, start);
         let direction = self.inverse * DVec3::NEG_Y;
         let spread = self.row_lengths() * drop.radius + self.slack(size);
-        let down_to = |first: &Option<SphereContact>| {
-            first.map_or(f64::INFINITY, |held| drop.start_y - held.center_y)
-        };
-        let Some(beam) = Beam::new(tree.half(), origin, direction, spread, down_to(first)) else {
+        let depth = |first: &Option<SphereContact>| drop.start_y - drop.floor(first.as_ref());
+        let Some(beam) = Beam::new(tree.half(), origin, direction, spread, depth(first)) else {
             return;
         };
         let [x, y, z] = self.rows(tree, DVec3::new(drop.x, 0.0, drop.z), size);
@@ -246,20 +244,20 @@ impl Instance {
         falling.contact = first.as_ref().map(touched);
         let mut stack = Stack::new();
         let mut walk = tree.tree.walk(&tree.blocks, &mut stack);
-        let mut limit = beam.limit(down_to(first));
+        let mut limit = beam.limit(depth(first));
         while let Some(block) = walk.next_along(simd, &beam, limit) {
             let mut lanes = block.below(simd, &falling);
             while lanes != 0 {
                 let triangle = self.triangle(tree, block, lanes.trailing_zeros() as usize);
                 lanes &= lanes - 1;
-                let least = first.map_or(f64::NEG_INFINITY, |held| held.center_y);
+                let least = drop.floor(first.as_ref());
                 if triangle.is_beside(drop, least) || !triangle.has_area() {
                     continue;
                 }
                 let Some((y, touch)) = triangle.drop_sphere(drop) else { continue };
                 if keep_higher(first, SphereContact::new(y, touch, triangle.id)) {
                     falling.contact = first.as_ref().map(touched);
-                    limit = beam.limit(down_to(first));
+                    limit = beam.limit(depth(first));
                     lanes &= block.below(simd, &falling);
                 }
             }

@@ -90,7 +90,7 @@ pub struct SphereContact {
 /// let ray = Ray::new(DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y);
 /// let hit = surfaces.intersect(&ray, f64::INFINITY, None).unwrap();
 /// assert_eq!((hit.t, hit.normal), (2.0, DVec3::Y));
-/// let contact = surfaces.drop_sphere(0.0, 0.0, 0.5, 3.0).unwrap();
+/// let contact = surfaces.drop_sphere(0.0, 0.0, 0.5, [3.0, f64::NEG_INFINITY]).unwrap();
 /// assert!((contact.center_y - 1.5).abs() < 1e-15);
 /// ```
 #[derive(Debug)]
@@ -170,21 +170,30 @@ impl Surfaces {
     }
 
     /// The first contact of a sphere of `radius` that falls straight down along `x, z` from
-    /// `start_y` (height of its centre); `None` where it falls past everything. A sphere that
-    /// overlaps a surface at the start is in contact there. `radius` 0 is a ray straight down,
-    /// which meets what lies below the start.
+    /// `start_y` (height of its centre) until it is at `down_to`, where contacts do not count any
+    /// more (`-inf`: all count); `None` where it falls past everything. A sphere that overlaps a
+    /// surface at the start is in contact there. `radius` 0 is a ray straight down, which meets what
+    /// lies below the start.
     ///
     /// Exact to rounding for every shape. Of contacts at the same height the lowest id counts.
     #[must_use]
-    pub fn drop_sphere(&self, x: f64, z: f64, radius: f64, start_y: f64) -> Option<SphereContact> {
-        let drop = Drop { x, z, radius, start_y };
+    pub fn drop_sphere(
+        &self,
+        x: f64,
+        z: f64,
+        radius: f64,
+        [start_y, down_to]: [f64; 2],
+    ) -> Option<SphereContact> {
+        let drop = Drop { x, z, radius, start_y, down_to };
         if radius == 0.0 {
-            let hit = self.intersect(&Ray::new(drop.start(), DVec3::NEG_Y), f64::INFINITY, None)?;
+            let depth = start_y - down_to;
+            let hit = self.intersect(&Ray::new(drop.start(), DVec3::NEG_Y), depth, None)?;
             let point = drop.center(start_y - hit.t);
             let (center_y, normal, id) = (point.y, hit.normal, hit.id);
             return Some(SphereContact { center_y, point, normal, id });
         }
         dispatch!(self.level, simd => self.places.drop_sphere(simd, &drop))
+            .filter(|contact| contact.center_y > down_to)
     }
 
     /// All pieces nearer to `center` than `reach`, each with its closest point (`center_y` holds

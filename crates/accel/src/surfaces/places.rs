@@ -254,18 +254,16 @@ impl Places {
         for place in self.all_unbounded() {
             self.drop_on_place(simd, place, drop, &mut first);
         }
-        let down_to = |first: &Option<SphereContact>| {
-            first.map_or(f64::INFINITY, |held| drop.start_y - held.center_y)
-        };
+        let depth = |first: &Option<SphereContact>| drop.start_y - drop.floor(first.as_ref());
         let start = drop.start();
         let size = start.abs().max_element() + drop.radius;
         let spread = DVec3::splat(drop.radius + self.slack(size));
         let origin = start - self.center;
-        let limit = down_to(&first);
+        let limit = depth(&first);
         if let Some(beam) = Beam::new(self.half(), origin, DVec3::NEG_Y, spread, limit) {
             let mut stack = Stack::new();
             let mut walk = self.tree.walk(&self.leaves, &mut stack);
-            while let Some(&object) = walk.next_along(simd, &beam, beam.limit(down_to(&first))) {
+            while let Some(&object) = walk.next_along(simd, &beam, beam.limit(depth(&first))) {
                 self.drop_on_place(simd, self.at(object), drop, &mut first);
             }
         }

@@ -72,8 +72,9 @@ pub(super) fn check_density(
 }
 
 /// Side of the cells for a snowfall whose largest grain, or largest grain below it, has `radius`
-/// quanta: two radii where the snow is deep; wider, up to what a block's integers hold, where a
-/// cell would otherwise get but a few of the 15 grains of a block.
+/// quanta: twice the reach of a fall where the snow is deep, so that the four cells nearest to a fall
+/// hold all that it may meet; wider, up to what a block's integers hold, where a cell would
+/// otherwise get but a few of the 15 grains of a block.
 pub(super) fn cell_side(
     settings: &DepositSettings,
     quantum: f64,
@@ -90,7 +91,7 @@ pub(super) fn cell_side(
         }
     };
     let wanted = (GRAINS_PER_CELL / grains_per_square_quantum).sqrt();
-    let least = f64::from(2 * radius);
+    let least = 2.0 * settings.rule.reach(radius.into());
     let side = wanted.clamp(least, (2.4 * least).max(least));
     side.clamp(16.0, f64::from(u16::MAX)) as u16
 }

@@ -35,10 +35,12 @@ struct Lean {
 }
 
 impl Lean {
-    /// Centre and normal at the first contact of a sphere that falls from `start`, metres.
-    fn drop_sphere(&self, start: DVec3, radius: f64) -> Option<(DVec3, DVec3)> {
+    /// Centre and normal at the first contact of a sphere that falls from `start` by less than
+    /// `length`, metres.
+    fn drop_sphere(&self, start: DVec3, radius: f64, length: f64) -> Option<(DVec3, DVec3)> {
         let from = self.turn * start;
-        let contact = self.turned.drop_sphere(from.x, from.z, radius, from.y)?;
+        let heights = [from.y, from.y - length];
+        let contact = self.turned.drop_sphere(from.x, from.z, radius, heights)?;
         let back = self.turn.transpose();
         Some((back * DVec3::new(from.x, contact.center_y, from.z), back * contact.normal))
     }
@@ -93,9 +95,11 @@ impl<'a> Ground<'a> {
                 ));
             }
         }
-        // One side for both directions; the second period is rounded to it.
-        let side = (x / (x / least).floor()).round();
-        let counts = [x, z].map(|width| (width / side).round().max(1.0) as u16);
+        // One side for both directions; the second period is rounded to it. Even numbers of cells,
+        // so that stacks may have cells twice as wide.
+        let even = |cells: f64| 2.0 * cells.max(1.0);
+        let side = (x / even((x / (2.0 * least)).floor())).round();
+        let counts = [x, z].map(|width| even((width / (2.0 * side)).round()) as u16);
         let kind = GroundKind::LevelFloor { counts, side: side as u16 };
         Ok(Self { kind, lean: None })
     }
@@ -117,8 +121,9 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// Stacks over `plan`, with cells of `side`; those of a periodic plan divide its own cells into
-    /// equal parts that are at least as wide.
+    /// Stacks over `plan`, with cells of `side`. Those of a periodic plan are as near to that as
+    /// equal parts of its own cells, or pairs of these along each axis, allow, and at least as wide
+    /// where its cells or pairs are.
     pub(super) fn new_stacks(
         &self,
         plan: PlanRectangle,
@@ -128,6 +133,10 @@ impl<'a> Ground<'a> {
         match &self.kind {
             GroundKind::Surfaces { .. } => GrainStacks::new(plan, side, drift),
             GroundKind::LevelFloor { counts, side: whole } => {
+                if side > *whole {
+                    let pairs = counts.map(|count| u32::from(count / 2));
+                    return GrainStacks::periodic([0, 0], pairs, 2 * whole, drift);
+                }
                 let most = (whole / side.max(1)).max(1);
                 let divides = |parts: &u16| whole.is_multiple_of(*parts);
                 let parts = (1..=most).rev().find(divides).unwrap_or(1);
@@ -177,9 +186,12 @@ impl<'a> Ground<'a> {
             GroundKind::Surfaces { surfaces, quantisation } => {
                 let (quantum, origin) = (quantisation.quantum(), quantisation.origin());
                 let start = from.min(f64::from(Quantisation::MAX_COORDINATE));
+                // A quantum lower, so that rounding loses no contact that counts.
+                let least = down_to - 1.0;
                 if let Some(lean) = &self.lean {
+                    let length = (start - least) * quantum / lean.up.y;
                     let start = origin + self.point(x, z, start) * quantum;
-                    return lean.drop_sphere(start, radius * quantum).and_then(
+                    return lean.drop_sphere(start, radius * quantum, length).and_then(
                         |(center, normal)| {
                             let height = (center.y - origin.y) / quantum;
                             (height > down_to).then_some(GroundContact { height, normal })
@@ -190,7 +202,7 @@ impl<'a> Ground<'a> {
                     origin.x + x * quantum,
                     origin.z + z * quantum,
                     radius * quantum,
-                    origin.y + start * quantum,
+                    [start, least].map(|height| origin.y + height * quantum),
                 )?;
                 let height = (contact.center_y - origin.y) / quantum;
                 GroundContact { height, normal: contact.normal }

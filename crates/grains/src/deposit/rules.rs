@@ -78,11 +78,7 @@ impl<'a> Drop<'a> {
 
     /// How far from its line of fall a drop asks and stores, quanta.
     pub(super) fn reach(&self, stacks: &GrainStacks) -> f64 {
-        let largest = f64::from(stacks.largest_radius());
-        match self.rule {
-            DepositRule::Ray => largest,
-            DepositRule::Stick | DepositRule::Roll => 2.0 * largest,
-        }
+        self.rule.reach(stacks.largest_radius().into())
     }
 
     /// Where drop number `index` falls, and its radius.

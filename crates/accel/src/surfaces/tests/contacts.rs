@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// The height below which contacts do not count, where all count.
+const ON_AND_ON: f64 = f64::NEG_INFINITY;
+
 /// Distance from `p` to the nearest surface.
 fn distance(surfaces: &Surfaces, p: DVec3, out: &mut Vec<SphereContact>) -> f64 {
     surfaces.near(p, f64::INFINITY, out);
@@ -22,7 +25,7 @@ fn a_falling_sphere_stops_where_a_numeric_search_says() {
             let p = random.cube() * 1.2;
             let radius = [0.003, 0.05, 0.4][scene as usize % 3];
             let start_y = p.y * 2.0 + 1.0;
-            let contact = surfaces.drop_sphere(p.x, p.z, radius, start_y);
+            let contact = surfaces.drop_sphere(p.x, p.z, radius, [start_y, ON_AND_ON]);
             let end = contact.map_or(-6.0, |c| c.center_y);
             let at = |y: f64| DVec3::new(p.x, y, p.z);
             if let Some(c) = contact {
@@ -57,7 +60,7 @@ fn a_falling_point_is_a_ray() {
         let p = random.cube();
         let ray = Ray::new(DVec3::new(p.x, 2.0, p.z), DVec3::NEG_Y);
         let hit = surfaces.intersect(&ray, f64::INFINITY, None);
-        let contact = surfaces.drop_sphere(p.x, p.z, 0.0, 2.0);
+        let contact = surfaces.drop_sphere(p.x, p.z, 0.0, [2.0, ON_AND_ON]);
         assert_eq!(contact.map(|c| (c.center_y, c.id)), hit.map(|h| (2.0 - h.t, h.id)));
     }
 }
@@ -68,31 +71,33 @@ fn contacts_have_their_closed_forms() {
         |scale: DVec3| Surfaces::new(&[(SurfaceShape::Sphere, DAffine3::from_scale(scale))]);
     let unit = sphere(DVec3::ONE);
     for x in [0.0, 0.3, 0.9, 1.2, 1.249] {
-        let y = unit.drop_sphere(x, 0.0, 0.25, 4.0).unwrap().center_y;
+        let y = unit.drop_sphere(x, 0.0, 0.25, [4.0, ON_AND_ON]).unwrap().center_y;
         assert!((y * y + x * x - 1.25 * 1.25).abs() < 1e-13, "{x}: {y}");
     }
-    assert_eq!(unit.drop_sphere(1.2501, 0.0, 0.25, 4.0), None);
-    assert_eq!(unit.drop_sphere(0.3, 0.0, 0.25, -4.0), None);
-    let inside = unit.drop_sphere(0.3, 0.0, 0.25, 0.0).unwrap();
+    assert_eq!(unit.drop_sphere(1.2501, 0.0, 0.25, [4.0, ON_AND_ON]), None);
+    assert_eq!(unit.drop_sphere(0.3, 0.0, 0.25, [-4.0, ON_AND_ON]), None);
+    let inside = unit.drop_sphere(0.3, 0.0, 0.25, [0.0, ON_AND_ON]).unwrap();
     assert!((inside.center_y + (0.75f64 * 0.75 - 0.09).sqrt()).abs() < 1e-13);
     assert!(inside.normal.y > 0.0);
-    let flat = sphere(DVec3::new(3.0, 0.5, 2.0)).drop_sphere(0.0, 0.0, 0.1, 9.0).unwrap();
+    let flat =
+        sphere(DVec3::new(3.0, 0.5, 2.0)).drop_sphere(0.0, 0.0, 0.1, [9.0, ON_AND_ON]).unwrap();
     assert!((flat.center_y - 0.6).abs() < 1e-14 && (flat.normal - DVec3::Y).length() < 1e-14);
     // The foot of the radius lies on x^2/9 + y^2/0.25 = 1, along the gradient.
-    let side = sphere(DVec3::new(3.0, 0.5, 2.0)).drop_sphere(2.5, 0.0, 0.1, 9.0).unwrap();
+    let side =
+        sphere(DVec3::new(3.0, 0.5, 2.0)).drop_sphere(2.5, 0.0, 0.1, [9.0, ON_AND_ON]).unwrap();
     let p = side.point;
     assert!((p.x * p.x / 9.0 + p.y * p.y / 0.25 - 1.0).abs() < 1e-13);
     let gradient = DVec3::new(p.x / 9.0, p.y / 0.25, 0.0).normalize();
     assert!((gradient - side.normal).length() < 1e-12);
 
     let cube = Surfaces::new(&[(SurfaceShape::Box, DAffine3::IDENTITY)]);
-    assert_eq!(cube.drop_sphere(0.2, 0.4, 0.5, 9.0).unwrap().center_y, 1.5);
-    let edge = cube.drop_sphere(1.3, 0.4, 0.5, 9.0).unwrap();
+    assert_eq!(cube.drop_sphere(0.2, 0.4, 0.5, [9.0, ON_AND_ON]).unwrap().center_y, 1.5);
+    let edge = cube.drop_sphere(1.3, 0.4, 0.5, [9.0, ON_AND_ON]).unwrap();
     assert!((edge.center_y - 1.4).abs() < 1e-14);
-    let corner = cube.drop_sphere(1.2, 1.2, 0.3, 9.0).unwrap();
+    let corner = cube.drop_sphere(1.2, 1.2, 0.3, [9.0, ON_AND_ON]).unwrap();
     assert!((corner.center_y - 1.1).abs() < 1e-14);
     assert_eq!(corner.point, DVec3::ONE);
-    let overlapping = cube.drop_sphere(0.0, 0.0, 0.5, 1.2).unwrap();
+    let overlapping = cube.drop_sphere(0.0, 0.0, 0.5, [1.2, ON_AND_ON]).unwrap();
     assert_eq!((overlapping.center_y, overlapping.point), (1.2, DVec3::Y));
 
     let slope = DAffine3 {
@@ -100,10 +105,10 @@ fn contacts_have_their_closed_forms() {
         translation: DVec3::new(0.0, 1.0, 0.0),
     };
     let plane = Surfaces::new(&[(SurfaceShape::Plane, slope)]);
-    let contact = plane.drop_sphere(0.0, 5.0, 0.8, 9.0).unwrap();
+    let contact = plane.drop_sphere(0.0, 5.0, 0.8, [9.0, ON_AND_ON]).unwrap();
     assert!((contact.center_y - 2.0).abs() < 1e-14);
     assert!((contact.normal - DVec3::new(-0.6, 0.8, 0.0)).length() < 1e-15);
-    assert_eq!(plane.drop_sphere(0.0, 5.0, 0.8, -3.0), None);
+    assert_eq!(plane.drop_sphere(0.0, 5.0, 0.8, [-3.0, ON_AND_ON]), None);
 }
 
 #[test]

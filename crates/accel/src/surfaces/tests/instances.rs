@@ -28,10 +28,17 @@ fn check(objects: &Objects, random: &mut Random, origin: DVec3, size: f64) {
             exclude = Some(hit.id);
         }
         let radius = size * [0.003, 0.05, 0.4][i % 3];
-        let drop = Drop { x: target.x, z: target.z, radius, start_y: origin.y + size * 2.0 };
+        let (x, z, start_y) = (target.x, target.z, origin.y + size * 2.0);
+        let drop = Drop { x, z, radius, start_y, down_to: f64::NEG_INFINITY };
         for drop in [drop, Drop { start_y: target.y, ..drop }] {
-            let contact = surfaces.drop_sphere(drop.x, drop.z, radius, drop.start_y);
-            assert_eq!(contact, all.drop_sphere(&drop), "{drop:?}");
+            let contact = all.drop_sphere(&drop);
+            let near_it = contact.map_or(target.y, |contact| contact.center_y);
+            for down_to in [drop.down_to, near_it, near_it - radius * 1e-9, target.y] {
+                let counts = contact.filter(|contact| contact.center_y > down_to);
+                let heights = [drop.start_y, down_to];
+                let found = surfaces.drop_sphere(x, z, radius, heights);
+                assert_eq!(found, counts, "{drop:?} down to {down_to}");
+            }
         }
         surfaces.near(target, radius, &mut out);
         assert_eq!(out, all.near(target, radius));

@@ -252,7 +252,7 @@ fn a_scene_without_surfaces_answers_nothing() {
     let mut out = vec![];
     assert!(surfaces.is_empty() && !surfaces.has_infinite() && surfaces.bounds().is_empty());
     assert_eq!(surfaces.intersect(&Ray::new(DVec3::ZERO, DVec3::Y), 9.0, None), None);
-    assert_eq!(surfaces.drop_sphere(0.0, 0.0, 1.0, 5.0), None);
+    assert_eq!(surfaces.drop_sphere(0.0, 0.0, 1.0, [5.0, -5.0]), None);
     assert!(!surfaces.may_cross(&Aabb::new(-DVec3::ONE, DVec3::ONE)));
     surfaces.near(DVec3::ZERO, 5.0, &mut out);
     assert!(out.is_empty());
@@ -277,7 +277,7 @@ fn flattened_objects_are_harmless() {
         for _ in 0..100 {
             let ray = Ray::new(random.cube(), random.direction());
             let _ = surfaces.intersect(&ray, f64::INFINITY, None);
-            let _ = surfaces.drop_sphere(ray.origin.x, ray.origin.z, 0.1, 2.0);
+            let _ = surfaces.drop_sphere(ray.origin.x, ray.origin.z, 0.1, [2.0, -2.0]);
             surfaces.near(ray.origin, 0.5, &mut out);
         }
     }
