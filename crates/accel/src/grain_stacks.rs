@@ -2,8 +2,9 @@
 //!
 //! The plan (x, z) is divided into square cells. Each cell owns a stack of blocks of 15 grains; a
 //! block links to the next older one and knows the highest top of everything older, so a search
-//! from above stops as soon as nothing older can reach what it has found. Blocks are only ever
-//! appended: nothing is rebuilt, no list overflows, and a fall costs the same at any depth.
+//! from above stops as soon as nothing older can reach what it has found. The newest block of a cell
+//! lies where the cell says; full ones are laid down once and never move again: nothing is rebuilt,
+//! no list overflows, and a fall costs the same at any depth.
 //!
 //! All lengths are in quanta of the scene's [`Quantisation`](snowgrain_geometry::Quantisation).
 //! Candidates are found in single precision with a margin that covers its rounding; whether and
@@ -57,7 +58,7 @@ pub enum GrainStacksError {
     TooManyGrains,
 }
 
-/// Names a stored grain for as long as its [`GrainStacks`] lives.
+/// Names a stored grain of a [`GrainStacks`] until another grain is stored or taken away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct GrainSlot(u64);
 
@@ -304,10 +305,9 @@ impl GrainStacks {
         let frame = Frame::whole(&self.plan);
         (0..self.plan.counts[0]).flat_map(move |column| {
             let tile = &self.tiles[frame.tile_index([column, row]).unwrap_or(0)];
-            let cell = tile.cells[Tile::cell_index([column, row])];
             let [first_column, first_row] = self.plan.first;
             let corner = self.plan.corner(first_column + column, first_row + row);
-            tile.blocks_from(cell.newest).flat_map(move |(_, block)| {
+            tile.blocks(Tile::cell_index([column, row])).flat_map(move |(_, block)| {
                 (0..block.count()).map(move |lane| {
                     self.plan.in_first_period(self.plan.grain(block, lane, corner))
                 })

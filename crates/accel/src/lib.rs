@@ -10,6 +10,7 @@ mod pages;
 mod prefetch;
 pub mod simd;
 pub mod surfaces;
+mod words;
 
 pub use flight::{Flight, FlightEvent};
 pub use grain_grid::{GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing};

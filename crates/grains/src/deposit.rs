@@ -15,7 +15,7 @@
 //! - `Roll`: after its first contact the sphere rolls down over the grains that it touches (see
 //!   `roll.rs`) until they support it. Ice sticks to solid surfaces: a grain rests where it first
 //!   meets one, and is discarded only where it falls on one that is too steep. Grains overlap by
-//!   less than a quantum, 7e-5 of the largest radius.
+//!   less than a quantum, 1/5450 of the largest radius.
 //!
 //! A fall is a function of (seed, number of the snowfall, number of the drop) and of what lies.
 

@@ -23,7 +23,7 @@ const META: usize = GRAINS_PER_BLOCK;
 
 impl Block {
     /// An empty block on top of block `older`, below whose tops `older_top` is the highest.
-    pub(super) fn new(older: u32, older_top: i32) -> Self {
+    pub(super) const fn new(older: u32, older_top: i32) -> Self {
         let mut block = Self { x: [0; LANES], z: [0; LANES], radius: [0; LANES], y: [0; LANES] };
         block.x[META] = (older & 0xFFFF) as u16;
         block.z[META] = (older >> 16) as u16;

@@ -5,8 +5,9 @@ use super::plan::{Drift, Plan};
 use super::tile::Tile;
 use super::window::{Quad, SeenCell, Window};
 use super::{GrainSlot, GrainStacks};
+use crate::words::floats;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f32x16};
+use fearless_simd::{dispatch, f32x16, i32x16, u16x16};
 use snowgrain_geometry::QuantisedGrain;
 use std::borrow::Borrow;
 
@@ -118,12 +119,12 @@ impl Found {
         plan: &Plan,
         fall: &Fall<'_>,
         cell: &SeenCell<'_>,
-        [index, lane]: [u32; 2],
+        (name, block, lane): (u32, &Block, usize),
     ) {
-        let grain = plan.grain(cell.tile.block(index), lane as usize, cell.corner);
+        let grain = plan.grain(block, lane, cell.corner);
         let height = contact_height::<LEANING>(&plan.drift, grain, fall);
         if height > self.height && height <= fall.from {
-            let slot = cell.tile.slot(index, lane as usize);
+            let slot = cell.tile.slot(name, lane);
             if !fall.ignored.contains(&slot) {
                 *self = Self { height, hit: Some((slot, grain)) };
             }
@@ -152,8 +153,8 @@ fn search<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
                 continue;
             }
             let Some(cell) = window.cell(column, row) else { continue };
-            if may_beat::<LEANING>(plan, fall, cell.corner, cell.top, found.height) {
-                search_cell::<S, LEANING>(simd, plan, fall, &cell, cell.newest, &mut found);
+            if may_beat::<LEANING>(plan, fall, cell.corner, cell.top(), found.height) {
+                search_cell::<S, LEANING>(simd, plan, fall, &cell, &mut found);
             }
         }
     }
@@ -175,55 +176,43 @@ fn search_quad<S: Simd, T: Borrow<Tile>, const LEANING: bool>(
     let Some(cells) = window.full_cells(quad) else {
         for which in 0..4 {
             let Some(cell) = window.quad_cell(quad, which) else { continue };
-            search_cell::<S, LEANING>(simd, plan, fall, &cell, cell.newest, found);
+            search_cell::<S, LEANING>(simd, plan, fall, &cell, found);
         }
         return;
     };
     if !fall.meets_all() {
         for cell in &cells {
-            if may_beat::<LEANING>(plan, fall, cell.corner, cell.top, found.height) {
-                search_cell::<S, LEANING>(simd, plan, fall, cell, cell.newest, found);
+            if may_beat::<LEANING>(plan, fall, cell.corner, cell.top(), found.height) {
+                search_cell::<S, LEANING>(simd, plan, fall, cell, found);
             }
         }
         return;
     }
-    let base = cells[0].top;
-    let mut heights = [[0.0f32; LANES]; 4];
-    let mut most = [f32::NEG_INFINITY; LANES];
+    let base = cells[0].newest.y[0];
+    let nothing = f32x16::splat(simd, f32::NEG_INFINITY);
+    let (mut heights, mut most) = ([nothing; 4], nothing);
     for (cell, heights) in cells.iter().zip(&mut heights) {
-        let block = cell.tile.block(cell.newest);
-        contact_heights::<LEANING>(block, plan, fall, (cell.corner, base), heights, &mut most);
-    }
-    let mut width = LANES / 2;
-    while width > 0 {
-        for lane in 0..width {
-            most[lane] =
-                if most[lane + width] > most[lane] { most[lane + width] } else { most[lane] };
-        }
-        width /= 2;
+        let place = (cell.corner, base);
+        let contacts = contacts::<S, LEANING>(simd, cell.newest, plan, fall, place);
+        *heights = contacts.possible;
+        most = most.max(contacts.certain);
     }
     // All but the highest of those that are surely met, to within the margins, lose.
-    let best = if most[0] > f32::MIN { most[0] } else { f32::MIN };
+    let best = most.reduce_max().max(f32::MIN);
     let least = f32x16::splat(simd, best - 2.0 * margin::<LEANING>() as f32);
     let mut lanes = 0u64;
-    for (which, heights) in heights.iter().enumerate() {
-        let wanted = f32x16::from_slice(simd, heights).simd_ge(least).to_bitmask() as u16;
-        lanes |= u64::from(wanted) << (16 * which);
+    for (which, heights) in heights.into_iter().enumerate() {
+        lanes |= (heights.simd_ge(least).to_bitmask() & 0xFFFF) << (LANES * which);
     }
     while lanes != 0 {
         let at = lanes.trailing_zeros();
         lanes &= lanes - 1;
         let cell = &cells[at as usize / LANES];
-        found.try_lane::<LEANING>(plan, fall, cell, [cell.newest, at % LANES as u32]);
+        let name = Tile::newest_name(cell.index);
+        found.try_lane::<LEANING>(plan, fall, cell, (name, cell.newest, at as usize % LANES));
     }
     for cell in &cells {
-        let block = cell.tile.block(cell.newest);
-        let older = block.older();
-        if older != NO_BLOCK
-            && may_beat::<LEANING>(plan, fall, cell.corner, block.older_top(), found.height)
-        {
-            search_cell::<S, LEANING>(simd, plan, fall, cell, older, found);
-        }
+        search_older::<S, LEANING>(simd, plan, fall, cell, found);
     }
 }
 
@@ -258,31 +247,56 @@ fn highest_contact(plan: &Plan, fall: &Fall<'_>, corner: [i64; 2], top: i32) -> 
     f64::from(top) - largest + square.sqrt() + 1.0
 }
 
-/// Searches a stack from block `index` down.
+/// Searches a stack.
 #[inline(always)]
 fn search_cell<S: Simd, const LEANING: bool>(
     simd: S,
     plan: &Plan,
     fall: &Fall<'_>,
     cell: &SeenCell<'_>,
-    mut index: u32,
     found: &mut Found,
 ) {
+    let newest = (Tile::newest_name(cell.index), cell.newest);
+    search_block::<S, LEANING>(simd, plan, fall, cell, newest, found);
+    search_older::<S, LEANING>(simd, plan, fall, cell, found);
+}
+
+/// Searches the blocks below the newest, as far as they can matter.
+#[inline(always)]
+fn search_older<S: Simd, const LEANING: bool>(
+    simd: S,
+    plan: &Plan,
+    fall: &Fall<'_>,
+    cell: &SeenCell<'_>,
+    found: &mut Found,
+) {
+    let mut block = cell.newest;
     loop {
-        let block = cell.tile.block(index);
-        let mut lanes =
-            candidates::<S, LEANING>(simd, block, plan, fall, cell.corner, found.height);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros();
-            lanes &= lanes - 1;
-            found.try_lane::<LEANING>(plan, fall, cell, [index, lane]);
-        }
-        index = block.older();
-        if index == NO_BLOCK
+        let older = block.older();
+        if older == NO_BLOCK
             || !may_beat::<LEANING>(plan, fall, cell.corner, block.older_top(), found.height)
         {
             return;
         }
+        block = cell.tile.older(older);
+        search_block::<S, LEANING>(simd, plan, fall, cell, (older, block), found);
+    }
+}
+
+#[inline(always)]
+fn search_block<S: Simd, const LEANING: bool>(
+    simd: S,
+    plan: &Plan,
+    fall: &Fall<'_>,
+    cell: &SeenCell<'_>,
+    (name, block): (u32, &Block),
+    found: &mut Found,
+) {
+    let mut lanes = candidates::<S, LEANING>(simd, block, plan, fall, cell.corner, found.height);
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes - 1;
+        found.try_lane::<LEANING>(plan, fall, cell, (name, block, lane));
     }
 }
 
@@ -314,44 +328,50 @@ fn margin<const LEANING: bool>() -> f64 {
     ROUNDED_HEIGHT + if LEANING { LEANING_HEIGHT_MARGIN } else { HEIGHT_MARGIN }
 }
 
-/// Heights over `base` of the contacts with the grains of a block, to within the margin; `-inf`
-/// where the grain is clearly not met, or there is none. `most` keeps, lane by lane, the highest of
-/// those that are met beyond doubt.
+/// Heights over some base of the contacts with the grains of a block, to within the margin.
+struct Contacts<S: Simd> {
+    /// `-inf` where the grain is clearly not met, or there is none.
+    possible: f32x16<S>,
+    /// `-inf` but where the grain is met beyond doubt.
+    certain: f32x16<S>,
+}
+
 #[inline(always)]
-fn contact_heights<const LEANING: bool>(
+fn contacts<S: Simd, const LEANING: bool>(
+    simd: S,
     block: &Block,
     plan: &Plan,
     fall: &Fall<'_>,
     (corner, base): ([i64; 2], i32),
-    heights: &mut [f32; LANES],
-    most: &mut [f32; LANES],
-) {
-    let x = (fall.x - corner[0] as f64) as f32;
-    let z = (fall.z - corner[1] as f64) as f32;
-    let radius = fall.radius as f32;
-    let (drift_x, drift_z, rise) =
-        (plan.drift.x as f32, plan.drift.z as f32, plan.drift.rise as f32);
-    let square_margin = if LEANING { LEANING_SQUARE_MARGIN } else { SQUARE_MARGIN };
-    let count = block.count() as u32;
-    for lane in 0..LANES {
-        let dx = x - f32::from(block.x[lane]);
-        let dz = z - f32::from(block.z[lane]);
-        let reach = f32::from(block.radius[lane]) + radius;
-        let mut square = reach * reach - dx * dx - dz * dz;
-        let mut along = 0.0;
-        if LEANING {
-            along = (dx * drift_x + dz * drift_z) * rise;
-            square += along * along;
-        }
-        let up = if square > 0.0 { square } else { 0.0 }.sqrt();
-        let up = if LEANING { rise * (up - along) } else { up };
-        let at = (block.y[lane].wrapping_sub(base)) as f32 + up;
-        let held = (lane as u32) < count;
-        heights[lane] = if (square > -square_margin) & held { at } else { f32::NEG_INFINITY };
-        let sure = if (square > square_margin) & held { at } else { f32::NEG_INFINITY };
-        most[lane] = if sure > most[lane] { sure } else { most[lane] };
+) -> Contacts<S> {
+    let splat = |v: f32| f32x16::splat(simd, v);
+    let x = splat((fall.x - corner[0] as f64) as f32);
+    let z = splat((fall.z - corner[1] as f64) as f32);
+    let dx = x - floats(simd, u16x16::from_slice(simd, &block.x));
+    let dz = z - floats(simd, u16x16::from_slice(simd, &block.z));
+    let radius = floats(simd, u16x16::from_slice(simd, &block.radius));
+    let reach = radius + splat(fall.radius as f32);
+    let mut square = reach * reach - dx * dx - dz * dz;
+    let mut along = splat(0.0);
+    let rise = splat(plan.drift.rise as f32);
+    if LEANING {
+        along = (dx * splat(plan.drift.x as f32) + dz * splat(plan.drift.z as f32)) * rise;
+        square += along * along;
+    }
+    let up = square.max(splat(0.0)).sqrt();
+    let up = if LEANING { rise * (up - along) } else { up };
+    let above = i32x16::from_slice(simd, &block.y) - i32x16::splat(simd, base);
+    let at = simd.cvt_f32_i32x16(above) + up;
+    let held = i32x16::from_slice(simd, &SLOTS).simd_lt(i32x16::splat(simd, block.count() as i32));
+    let margin = splat(if LEANING { LEANING_SQUARE_MARGIN } else { SQUARE_MARGIN });
+    let nothing = splat(f32::NEG_INFINITY);
+    Contacts {
+        possible: (square.simd_gt(-margin) & held).select(at, nothing),
+        certain: (square.simd_gt(margin) & held).select(at, nothing),
     }
 }
+
+const SLOTS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Lanes whose contact may lie between `best` and the start of the fall, found in single precision
 /// with margins; never misses one.
@@ -365,11 +385,8 @@ fn candidates<S: Simd, const LEANING: bool>(
     best: f64,
 ) -> u32 {
     let base = block.y[0];
-    let mut heights = [0.0f32; LANES];
-    let mut unused = [0.0f32; LANES];
-    contact_heights::<LEANING>(block, plan, fall, (corner, base), &mut heights, &mut unused);
+    let heights = contacts::<S, LEANING>(simd, block, plan, fall, (corner, base)).possible;
     let above = (best - f64::from(base) - margin::<LEANING>()) as f32;
     let below = (fall.from - f64::from(base) + margin::<LEANING>()) as f32;
-    let heights = f32x16::from_slice(simd, &heights);
     (heights.simd_gt(above) & heights.simd_le(below)).to_bitmask() as u32
 }

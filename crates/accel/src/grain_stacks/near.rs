@@ -54,10 +54,10 @@ fn search<S: Simd, T: Borrow<Tile>>(
     for row in rows {
         for column in columns.clone() {
             let Some(cell) = window.cell(column, row) else { continue };
-            if f64::from(cell.top) < lowest_top {
+            if f64::from(cell.top()) < lowest_top {
                 continue;
             }
-            for (index, block) in cell.tile.blocks_from(cell.newest) {
+            for (index, block) in cell.tile.blocks(cell.index) {
                 let mut lanes = candidates(simd, block, plan, center, cell.corner, reach);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;

@@ -245,15 +245,9 @@ impl<'a> StackRegion<'a> {
         self.window().first_contact_at(quad, fall)
     }
 
-    /// Asks for the heads of the stacks of a quad, ahead of their use.
-    #[inline]
-    pub fn prefetch_cells(&self, quad: &Quad) {
-        self.window().prefetch_cells(quad);
-    }
-
     /// Asks for the newest blocks of a quad, ahead of their use.
     #[inline]
-    pub fn prefetch_blocks(&self, quad: &Quad) {
-        self.window().prefetch_blocks(quad);
+    pub fn prefetch(&self, quad: &Quad) {
+        self.window().prefetch(quad);
     }
 }

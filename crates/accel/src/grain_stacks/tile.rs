@@ -4,37 +4,34 @@ use super::block::{Block, GRAINS_PER_BLOCK, NO_BLOCK};
 use super::plan::{TILE_BITS, TILE_EDGE};
 use super::{GrainSlot, GrainStacksError};
 
-/// Blocks are allocated in chunks of this many, so that growing never copies nor doubles.
+const CELLS: usize = (TILE_EDGE * TILE_EDGE) as usize;
+/// Full blocks are allocated in chunks of this many, so that growing never copies nor doubles.
 const BLOCKS_PER_CHUNK: usize = 32;
-/// Most blocks that a grain's name can tell apart.
-const MOST_BLOCKS: u32 = 1 << 28;
-
-/// The head of a stack.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
-    /// Newest block, or [`NO_BLOCK`].
-    pub(super) newest: u32,
-    /// Highest top of its grains.
-    pub(super) top: i32,
-}
-
-const EMPTY_CELL: Cell = Cell { newest: NO_BLOCK, top: i32::MIN };
+const EMPTY_BLOCK: Block = Block::new(NO_BLOCK, i32::MIN);
+/// Most full blocks that a grain's name can tell apart; the names after them are those of the newest.
+const MOST_BLOCKS: u32 = (1 << 28) - CELLS as u32;
 
 /// `TILE_EDGE` x `TILE_EDGE` cells.
+///
+/// The newest blocks lie side by side, one a cell, so that a fall finds them from the cell alone: no
+/// link stands between the look at one and the next. A block that is full moves to the older ones.
 #[derive(Clone, Debug)]
 pub(super) struct Tile {
     name: u32,
     pub(super) grains: u32,
-    blocks: u32,
-    pub(super) cells: Vec<Cell>,
-    chunks: Vec<Vec<Block>>,
+    /// Highest top of the grains of each cell.
+    pub(super) tops: [i32; CELLS],
+    /// Newest block of each cell; none before the first grain of the tile.
+    newest: Box<[Block]>,
+    full: u32,
+    chunks: Vec<Box<[Block; BLOCKS_PER_CHUNK]>>,
 }
 
 impl Tile {
     /// An empty tile; no other of the store has its name.
     pub(super) fn new(name: u32) -> Self {
-        let cells = vec![EMPTY_CELL; (TILE_EDGE * TILE_EDGE) as usize];
-        Self { name, grains: 0, blocks: 0, cells, chunks: Vec::new() }
+        let tops = [i32::MIN; CELLS];
+        Self { name, grains: 0, tops, newest: Box::default(), full: 0, chunks: Vec::new() }
     }
 
     /// Gives it another name; grains that lie in it get other names too.
@@ -49,20 +46,27 @@ impl Tile {
         ((row & last) << TILE_BITS | (column & last)) as usize
     }
 
+    /// The newest block of a cell, which may be empty; `None` where the tile has no grain.
     #[inline(always)]
-    pub(super) fn block(&self, index: u32) -> &Block {
+    pub(super) fn newest(&self, cell_index: usize) -> Option<&Block> {
+        self.newest.get(cell_index)
+    }
+
+    /// A block that was full.
+    #[inline(always)]
+    pub(super) fn older(&self, index: u32) -> &Block {
         let index = index as usize;
         &self.chunks[index / BLOCKS_PER_CHUNK][index % BLOCKS_PER_CHUNK]
     }
 
-    #[inline(always)]
-    fn block_mut(&mut self, index: u32) -> &mut Block {
-        let index = index as usize;
-        &mut self.chunks[index / BLOCKS_PER_CHUNK][index % BLOCKS_PER_CHUNK]
-    }
-
+    /// Name of the grain in a lane of an older block.
     pub(super) fn slot(&self, block: u32, lane: usize) -> GrainSlot {
         GrainSlot(u64::from(self.name) << 32 | u64::from(block << 4 | lane as u32))
+    }
+
+    /// What stands for the newest block of a cell in the names of its grains.
+    pub(super) fn newest_name(cell_index: usize) -> u32 {
+        MOST_BLOCKS + cell_index as u32
     }
 
     /// Puts a grain on the stack of a cell.
@@ -74,63 +78,62 @@ impl Tile {
         y: i32,
         radius: u16,
     ) -> Result<GrainSlot, GrainStacksError> {
-        let cell = self.cells[cell_index];
-        let mut head = cell.newest;
-        if head == NO_BLOCK || self.block(head).count() == GRAINS_PER_BLOCK {
-            head = self.append(Block::new(cell.newest, cell.top))?;
+        if self.newest.is_empty() {
+            self.newest = vec![EMPTY_BLOCK; CELLS].into_boxed_slice();
         }
-        let lane = self.block_mut(head).push(local, y, radius);
-        let top = cell.top.max(y + i32::from(radius));
-        self.cells[cell_index] = Cell { newest: head, top };
+        if self.newest[cell_index].count() == GRAINS_PER_BLOCK {
+            self.lay_down(cell_index)?;
+        }
+        let lane = self.newest[cell_index].push(local, y, radius);
+        let top = &mut self.tops[cell_index];
+        *top = (*top).max(y + i32::from(radius));
         self.grains += 1;
-        Ok(self.slot(head, lane))
+        Ok(self.slot(Self::newest_name(cell_index), lane))
+    }
+
+    /// Moves the newest block of a cell, which is full, to the older ones.
+    fn lay_down(&mut self, cell_index: usize) -> Result<(), GrainStacksError> {
+        if self.full >= MOST_BLOCKS {
+            return Err(GrainStacksError::TooManyGrains);
+        }
+        let (chunk, at) =
+            (self.full as usize / BLOCKS_PER_CHUNK, self.full as usize % BLOCKS_PER_CHUNK);
+        if at == 0 {
+            self.chunks.push(Box::new([EMPTY_BLOCK; BLOCKS_PER_CHUNK]));
+        }
+        let next = Block::new(self.full, self.tops[cell_index]);
+        self.chunks[chunk][at] = std::mem::replace(&mut self.newest[cell_index], next);
+        self.full += 1;
+        Ok(())
     }
 
     /// Takes the newest grain off the stack of a cell that has one.
     pub(super) fn pop(&mut self, cell_index: usize) {
-        let cell = self.cells[cell_index];
-        let block = self.block_mut(cell.newest);
+        let mut block = self.newest[cell_index].clone();
+        if block.count() == 0 {
+            // The place of the older block is left behind, unreachable: pops are rare.
+            block = self.older(block.older()).clone();
+        }
         block.pop();
-        let top = block.top();
-        let (count, older) = (block.count(), block.older());
-        // An empty block is left behind, unreachable: pops are rare.
-        let newest = if count == 0 { older } else { cell.newest };
-        self.cells[cell_index] = Cell { newest, top };
+        self.tops[cell_index] = block.top();
+        self.newest[cell_index] = block;
         self.grains -= 1;
     }
 
-    fn append(&mut self, block: Block) -> Result<u32, GrainStacksError> {
-        if self.blocks >= MOST_BLOCKS {
-            return Err(GrainStacksError::TooManyGrains);
-        }
-        if (self.blocks as usize).is_multiple_of(BLOCKS_PER_CHUNK) {
-            self.chunks.push(Vec::with_capacity(BLOCKS_PER_CHUNK));
-        }
-        if let Some(chunk) = self.chunks.last_mut() {
-            chunk.push(block);
-        }
-        self.blocks += 1;
-        Ok(self.blocks - 1)
-    }
-
-    /// Blocks of the stack from `newest` down.
+    /// Blocks of the stack of a cell, the newest first, each with what stands for it in names.
     #[inline(always)]
-    pub(super) fn blocks_from(&self, newest: u32) -> impl Iterator<Item = (u32, &Block)> {
-        let mut next = newest;
-        std::iter::from_fn(move || {
-            if next == NO_BLOCK {
-                return None;
-            }
-            let (index, block) = (next, self.block(next));
-            next = block.older();
-            Some((index, block))
+    pub(super) fn blocks(&self, cell_index: usize) -> impl Iterator<Item = (u32, &Block)> {
+        let newest = self.newest(cell_index).map(|block| (Self::newest_name(cell_index), block));
+        std::iter::successors(newest, |(_, block)| {
+            let older = block.older();
+            (older != NO_BLOCK).then(|| (older, self.older(older)))
         })
     }
 
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>()
-            + self.cells.capacity() * size_of::<Cell>()
-            + self.chunks.len() * BLOCKS_PER_CHUNK * size_of::<Block>()
-            + self.chunks.capacity() * size_of::<Vec<Block>>()
+            + self.newest.len() * size_of::<Block>()
+            + self.chunks.len() * size_of::<[Block; BLOCKS_PER_CHUNK]>()
+            + self.chunks.capacity() * size_of::<Box<[Block; BLOCKS_PER_CHUNK]>>()
     }
 }

@@ -1,9 +1,8 @@
 //! Cells that a query may look at: all of a store, or the part that one thread owns.
 
-use super::block::NO_BLOCK;
+use super::block::Block;
 use super::plan::{Plan, Span, TILE_BITS, TILE_EDGE};
-use super::tile::{Cell, Tile};
-use crate::prefetch::prefetch;
+use super::tile::Tile;
 use std::borrow::Borrow;
 
 /// A rectangle of tiles of a plan.
@@ -32,6 +31,14 @@ impl Frame {
     }
 }
 
+impl SeenCell<'_> {
+    /// Highest top of the grains.
+    #[inline(always)]
+    pub(super) fn top(&self) -> i32 {
+        self.tile.tops[self.index]
+    }
+}
+
 /// Tiles that can be read.
 pub(super) struct Window<'a, T> {
     pub(super) plan: &'a Plan,
@@ -39,12 +46,14 @@ pub(super) struct Window<'a, T> {
     pub(super) tiles: &'a [T],
 }
 
-/// A cell that holds grains, as a query sees it: where it lies after periodic wrapping.
+/// A cell, as a query sees it: where it lies after periodic wrapping.
 #[derive(Clone, Copy)]
 pub(super) struct SeenCell<'a> {
     pub(super) tile: &'a Tile,
-    pub(super) newest: u32,
-    pub(super) top: i32,
+    /// Index in the tile.
+    pub(super) index: usize,
+    /// Newest block; it may be empty.
+    pub(super) newest: &'a Block,
     /// Least corner of the image of the cell that the query meets.
     pub(super) corner: [i64; 2],
 }
@@ -109,57 +118,45 @@ impl<'a, T: Borrow<Tile>> Window<'a, T> {
         Quad { spans, cells }
     }
 
-    /// One of the cells of a quad, where it is not off the window or empty.
+    /// One of the cells of a quad, where it is not off the window or in a tile without grains.
     #[inline(always)]
     pub(super) fn quad_cell(&self, quad: &Quad, which: usize) -> Option<SeenCell<'a>> {
         let (tile, cell) = quad.cells[which];
         let tile: &Tile = self.tiles.get(tile as usize)?.borrow();
-        let cell = tile.cells[cell as usize];
+        let index = cell as usize;
+        let newest = tile.newest(index)?;
         let [column, row] = quad.spans.map(|span| span.nearest);
         let corner = self.plan.corner(column + ASIDE[which][0], row + ASIDE[which][1]);
-        let Cell { newest, top } = cell;
-        (newest != NO_BLOCK).then_some(SeenCell { tile, newest, top, corner })
+        Some(SeenCell { tile, index, newest, corner })
     }
 
-    /// All four cells, where each is on the window and holds grains.
+    /// All four cells, where each is on the window, in a tile with grains.
     #[inline(always)]
     pub(super) fn full_cells(&self, quad: &Quad) -> Option<[SeenCell<'a>; 4]> {
         let [a, b, c, d] = [0, 1, 2, 3].map(|which| self.quad_cell(quad, which));
         Some([a?, b?, c?, d?])
     }
 
-    /// Asks for the heads of the stacks of a quad, ahead of their use.
-    #[inline(always)]
-    pub(super) fn prefetch_cells(&self, quad: &Quad) {
-        // Cells along x mostly share a line.
-        for (tile, cell) in [quad.cells[0], quad.cells[2]] {
-            if let Some(tile) = self.tiles.get(tile as usize) {
-                prefetch(&tile.borrow().cells[cell as usize]);
-            }
-        }
-    }
-
     /// Asks for the newest blocks of a quad, ahead of their use.
     #[inline(always)]
-    pub(super) fn prefetch_blocks(&self, quad: &Quad) {
-        for which in 0..4 {
-            if let Some(cell) = self.quad_cell(quad, which) {
-                cell.tile.block(cell.newest).prefetch();
+    pub(super) fn prefetch(&self, quad: &Quad) {
+        for (tile, cell) in quad.cells {
+            if let Some(tile) = self.tiles.get(tile as usize)
+                && let Some(block) = tile.borrow().newest(cell as usize)
+            {
+                block.prefetch();
             }
         }
     }
 
-    /// The cell in an unwrapped column and row, `None` where it is off the plan or empty.
+    /// The cell in an unwrapped column and row, `None` where it is off the window or in a tile
+    /// without grains.
     #[inline(always)]
     pub(super) fn cell(&self, column: i32, row: i32) -> Option<SeenCell<'a>> {
         let place = self.plan.place(column, row)?;
         let tile: &Tile = self.tiles[self.frame.tile_index(place)?].borrow();
-        let cell = tile.cells[Tile::cell_index(place)];
-        (cell.newest != NO_BLOCK).then(|| SeenCell {
-            tile,
-            newest: cell.newest,
-            top: cell.top,
-            corner: self.plan.corner(column, row),
-        })
+        let index = Tile::cell_index(place);
+        let newest = tile.newest(index)?;
+        Some(SeenCell { tile, index, newest, corner: self.plan.corner(column, row) })
     }
 }

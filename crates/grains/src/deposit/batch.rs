@@ -18,16 +18,15 @@ use snowgrain_accel::{GrainStacks, GrainStacksError, Quad, RegionEdge, RegionLay
 use snowgrain_geometry::QuantisedGrain;
 
 /// Drops of a batch for each cell that they fall on: few enough that few of them wait.
-const DROPS_PER_CELL: f64 = 0.5;
+const DROPS_PER_CELL: f64 = 1.0;
 /// Most drops of a batch: progress is told between batches.
 const MOST_DROPS: u64 = 1 << 20;
 /// Fewer drops are followed one by one.
 const FEW_DROPS: usize = 256;
 /// Drops that are sorted at a time.
 const CHUNK: usize = 1 << 14;
-/// Drops by which the heads of stacks, and the blocks, are asked for ahead of their use.
-const CELLS_AHEAD: usize = 8;
-const BLOCKS_AHEAD: usize = 4;
+/// Drops by which blocks are asked for ahead of their use.
+const AHEAD: usize = 6;
 
 /// Edges of the regions of such stacks: short where there are few cells, so that threads find work.
 pub(super) fn region_edge(stacks: &GrainStacks) -> RegionEdge {
@@ -230,7 +229,7 @@ fn in_regions(
 
 /// Looks up the cells of drops some time before they fall, and asks for the memory they will need.
 struct Ahead {
-    quads: [Quad; CELLS_AHEAD],
+    quads: [Quad; AHEAD],
     at: usize,
     reach: f64,
 }
@@ -242,20 +241,19 @@ impl Ahead {
             Some(entry) => entry.quad(region, reach),
             None => region.quad(0.0, 0.0, reach),
         });
-        quads.iter().for_each(|quad| region.prefetch_cells(quad));
+        quads.iter().for_each(|quad| region.prefetch(quad));
         Self { quads, at: 0, reach }
     }
 
     /// The cells of the next of `entries`.
     #[inline(always)]
     fn next(&mut self, region: &StackRegion<'_>, entries: &[Entry]) -> Quad {
-        let slot = self.at % CELLS_AHEAD;
+        let slot = self.at % AHEAD;
         let quad = self.quads[slot];
-        if let Some(entry) = entries.get(self.at + CELLS_AHEAD) {
+        if let Some(entry) = entries.get(self.at + AHEAD) {
             self.quads[slot] = entry.quad(region, self.reach);
-            region.prefetch_cells(&self.quads[slot]);
+            region.prefetch(&self.quads[slot]);
         }
-        region.prefetch_blocks(&self.quads[(self.at + BLOCKS_AHEAD) % CELLS_AHEAD]);
         self.at += 1;
         quad
     }

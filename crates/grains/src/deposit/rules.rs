@@ -117,7 +117,7 @@ impl<'a> Drop<'a> {
     fn radius(&self, word: u32) -> u16 {
         let unit = (f64::from(word) + 0.5) / 4_294_967_296.0;
         let radius = self.mean + (2.0 * unit - 1.0) * self.variation;
-        radius.round().clamp(1.0, f64::from(Quantisation::MAX_RADIUS_QUANTA)) as u16
+        nearest(radius).clamp(1, Quantisation::MAX_RADIUS_QUANTA.into()) as u16
     }
 
     /// The paper's rule.

@@ -40,24 +40,25 @@ fn fill((field, period, _): &(GrainField, [f64; 2], DepositReport)) -> (f64, f64
     (mean_surface_height(field, *period) / R, union_solid_fraction(field, &slab, 300_000, 1).mean)
 }
 
-/// Sampling adds a standard error of .0009 at most, so a right program fails the margin of .006
-/// less than once in 10^9 runs, were the seed not fixed.
-fn assert_fill(rule: DepositRule, grains: u64, depth: f64, expected: f64) {
-    let (deep, fraction) = fill(&pile(rule, 120.0, grains));
+/// Sampling has a standard error of .0009 at most. One pile of the ray rule differs from the next by
+/// about .004 on a floor of 120 r and .002 on one of 240 r, one that sticks by .002 on 120 r, so a
+/// right program fails the margin of .006 less than once in 100 runs, were the seed not fixed.
+fn assert_fill(rule: DepositRule, width: f64, grains: u64, depth: f64, expected: f64) {
+    let (deep, fraction) = fill(&pile(rule, width, grains));
     assert!((deep - depth).abs() < 0.04 * depth, "{deep} r deep");
     assert!((fraction - expected).abs() < 0.006, "{fraction} at {deep} r");
 }
 
 #[test]
 fn the_paper_s_rule_fills_as_much_as_independent_programs_found() {
-    assert_fill(DepositRule::Ray, 74_500, 39.0, 0.447);
-    assert_fill(DepositRule::Ray, 148_000, 82.0, 0.431);
+    assert_fill(DepositRule::Ray, 240.0, 298_000, 39.0, 0.447);
+    assert_fill(DepositRule::Ray, 240.0, 592_000, 82.0, 0.431);
 }
 
 #[test]
 fn sticking_grains_fill_as_little_as_independent_programs_found() {
-    assert_fill(DepositRule::Stick, 54_000, 89.0, 0.157);
-    assert_fill(DepositRule::Stick, 103_000, 186.0, 0.148);
+    assert_fill(DepositRule::Stick, 120.0, 54_000, 89.0, 0.157);
+    assert_fill(DepositRule::Stick, 120.0, 103_000, 186.0, 0.148);
 }
 
 #[test]
@@ -85,10 +86,11 @@ fn grains_that_stick_or_roll_do_not_overlap_whatever_their_sizes() {
         let (period, field) = (snow.period(), snow.into_field());
         let connections =
             connections(&field, period, &|grain| grain.center.y < 1.001 * grain.radius);
-        assert!(connections.greatest_overlap_depth <= 2e-4 * R, "{rule:?} {connections:?}");
+        let quantum = field.quantisation.quantum();
+        assert!(connections.greatest_overlap_depth < quantum, "{rule:?} {connections:?}");
         assert_eq!(connections.connected_fraction, 1.0);
         let floor = field.iter().map(|g| g.center.y - g.radius).fold(f64::INFINITY, f64::min);
-        assert!(floor.abs() <= field.quantisation.quantum());
+        assert!(floor.abs() <= quantum);
     }
 }
 

@@ -8,21 +8,14 @@
 
 use super::paths::{GROUP, Group, NOTHING, get};
 use crate::grain_grid::{Block, CellEntry, RADIUS_MASK};
+use crate::words::floats;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, i32x16, mask32x16, u16x16, u32x16};
+use fearless_simd::{f32x16, mask32x16, u16x16, u32x16};
 
 /// Bits of a distance that give way to the number of the grain's slot, so that one minimum finds
 /// both: 2^-19 of the distance, and distances in a cell are below 2^16 quanta, so that grains less
 /// than an eighth of a quantum apart may be taken for each other.
 const SLOT_BITS: u32 = 15;
-
-/// Sixteen 16-bit words as floats.
-#[inline(always)]
-pub(super) fn floats<S: Simd>(simd: S, words: u16x16<S>) -> f32x16<S> {
-    let (low, high) = simd.widen_u16x16(words);
-    let words: i32x16<S> = simd.combine_u32x8(low, high).bitcast();
-    simd.cvt_f32_i32x16(words)
-}
 
 /// Where a ray meets the grains of a block.
 struct Meeting<S: Simd> {

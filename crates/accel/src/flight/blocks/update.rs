@@ -2,12 +2,12 @@
 //! to the next cell; all at once and without a branch a path.
 
 use super::paths::{FirstGrains, GROUP, Group, NOTHING, get, set};
-use super::test::floats;
 use crate::flight::MAX_TURNS_IN_ICE;
 use crate::flight::random::NEXT_EVENT;
 use crate::flight::sphere::{Angles, Ice, Transmittance};
 use crate::flight::vector::{F, M, Vector, W};
 use crate::grain_grid::{CellEntry, GrainGrid, MEETS_SURFACE, OVERLAPS, RADIUS_MASK, Storage};
+use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, mask32x16, u16x16};
 
