@@ -24,9 +24,11 @@ mod batch;
 mod depth;
 mod fill;
 mod ground;
+mod looks;
 mod pile;
 mod roll;
 mod rules;
+mod speculate;
 
 use crate::lattice::lattice_grains;
 use crate::{Amount, DepositSettings, GrainField, GrainsError, LatticeSettings};
@@ -190,9 +192,16 @@ impl<'a> Snowfall<'a> {
         let area = self.area(settings)?;
         fill::check_density(settings, self.quantisation.quantum(), area)?;
         let class = self.prepare_stacks(settings, area)?;
+        let lowest = self.lowest();
         let (stacks, others) = self.pile.split(class);
         let mut falling = Falling {
-            drop: Drop::new(settings, &self.quantisation, &self.ground, area, self.snowfalls),
+            drop: Drop::new(
+                settings,
+                &self.quantisation,
+                &self.ground,
+                (area, lowest),
+                self.snowfalls,
+            ),
             edge: batch::region_edge(stacks),
             sequential: self.sequential,
             stacks,
@@ -208,6 +217,18 @@ impl<'a> Snowfall<'a> {
             Amount::Depth(depth) => falling.until_deep(depth / self.quantisation.quantum())?,
         }
         Ok(falling.report)
+    }
+
+    /// Height below which nothing lies or will lie, but on planes, quanta. Falls straight down end of
+    /// themselves, and do not ask.
+    fn lowest(&self) -> f64 {
+        if !self.ground.leans() {
+            return f64::NEG_INFINITY;
+        }
+        let bottom = |grain: QuantisedGrain| grain.center[1] - i32::from(grain.radius);
+        let grains = self.pile.all().flat_map(GrainStacks::iter).map(bottom).map(f64::from);
+        let largest = f64::from(Quantisation::MAX_RADIUS_QUANTA);
+        grains.fold(self.ground.lowest(), f64::min) - 4.0 * largest
     }
 
     /// The grains, in an order that depends on the input only.

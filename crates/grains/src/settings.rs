@@ -123,13 +123,6 @@ impl DepositSettings {
             );
             return Err(GrainsError::setting("direction", reason));
         }
-        if self.rule == DepositRule::Roll && self.drift() != [0.0; 2] {
-            let reason = format!(
-                "[{x}, {y}, {z}] leans, but grains that roll find their rest by gravity alone; let \
-                 them fall straight down, or use rule \"stick\" or \"ray\""
-            );
-            return Err(GrainsError::setting("direction", reason));
-        }
         Ok(())
     }
 

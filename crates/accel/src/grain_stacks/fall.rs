@@ -362,7 +362,9 @@ fn contacts<S: Simd, const LEANING: bool>(
     let up = if LEANING { rise * (up - along) } else { up };
     let above = i32x16::from_slice(simd, &block.y) - i32x16::splat(simd, base);
     let at = simd.cvt_f32_i32x16(above) + up;
-    let held = i32x16::from_slice(simd, &SLOTS).simd_lt(i32x16::splat(simd, block.count() as i32));
+    let count = u16x16::splat(simd, block.count() as u16);
+    let (low, high) = simd.widen_mask16x16(u16x16::from_slice(simd, &SLOTS).simd_lt(count));
+    let held = simd.combine_mask32x8(low, high);
     let margin = splat(if LEANING { LEANING_SQUARE_MARGIN } else { SQUARE_MARGIN });
     let nothing = splat(f32::NEG_INFINITY);
     Contacts {
@@ -371,7 +373,7 @@ fn contacts<S: Simd, const LEANING: bool>(
     }
 }
 
-const SLOTS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+const SLOTS: [u16; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Lanes whose contact may lie between `best` and the start of the fall, found in single precision
 /// with margins; never misses one.

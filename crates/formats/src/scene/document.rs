@@ -248,7 +248,7 @@ pub struct SnowTable {
     pub max_slope: Option<f64>,
     /// Direction in which grains fall, as a steady wind drives them: [x, y, z], three numbers of
     /// any length with y below 0 and at least a tenth of it; default [0, -1, 0], straight down;
-    /// rules "ray" and "stick" of deposit.
+    /// what rolls does so by gravity alone; deposit.
     #[serde(default)]
     pub direction: Option<[f64; 3]>,
     /// Rectangle that grains fall on: [x0, z0, x1, z1], lengths with x0 < x1 and z0 < z1, where

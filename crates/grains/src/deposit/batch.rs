@@ -11,7 +11,7 @@
 use super::pile::Lying;
 use super::roll::Roller;
 use super::rules::{Drop, Fate, Start};
-use super::{DepositReport, Falling};
+use super::{DepositReport, Falling, speculate};
 use crate::GrainsError;
 use rayon::prelude::*;
 use snowgrain_accel::{GrainStacks, GrainStacksError, Quad, RegionEdge, RegionLayout, StackRegion};
@@ -37,21 +37,24 @@ pub(super) fn region_edge(stacks: &GrainStacks) -> RegionEdge {
 
 /// A numbered drop of a batch.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+pub(super) struct Entry {
     number: u32,
-    start: Start,
+    pub(super) start: Start,
 }
 
 impl Entry {
     #[inline(always)]
-    fn quad(&self, region: &StackRegion<'_>, reach: f64) -> Quad {
+    pub(super) fn quad(&self, region: &StackRegion<'_>, reach: f64) -> Quad {
         region.quad(self.start.x.into(), self.start.z.into(), reach)
     }
 }
 
+/// A way to follow drops on all of the plan.
+type FollowAll = fn(&Drop<'_>, &mut GrainStacks, &[&GrainStacks], &[Entry], &mut Tally);
+
 /// What became of some drops.
 #[derive(Default)]
-struct Tally {
+pub(super) struct Tally {
     report: DepositReport,
     /// One more than the number of the last that lies.
     after_success: u32,
@@ -123,14 +126,19 @@ impl Falling<'_> {
         let drop = &self.drop;
         let entry =
             |number: u64| Entry { number: number as u32, start: drop.start(first + number) };
-        let mut tally = if self.sequential
-            || layout.len() < 2
-            || (drops as usize) < FEW_DROPS
-            || !drop.is_local()
-        {
+        let follow_all: Option<FollowAll> =
+            if self.sequential || layout.len() < 2 || (drops as usize) < FEW_DROPS {
+                Some(one_by_one)
+            } else if !drop.is_local() {
+                let alone = rayon::current_num_threads() == 1;
+                Some(if alone { one_by_one } else { speculate::follow_all })
+            } else {
+                None
+            };
+        let mut tally = if let Some(follow_all) = follow_all {
             let mut tally = Tally::default();
             let entries: Vec<Entry> = (0..drops).map(entry).collect();
-            one_by_one(drop, self.stacks, &self.others, &entries, &mut tally);
+            follow_all(drop, self.stacks, &self.others, &entries, &mut tally);
             tally
         } else {
             let chunks: Vec<u64> = (0..drops).step_by(CHUNK).collect();
@@ -164,10 +172,8 @@ impl Falling<'_> {
         if layout.len() < 2 {
             return CHUNK as u64;
         }
-        let area = &self.drop.area;
-        let side = f64::from(self.stacks.side());
-        let edge = |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) / side;
-        ((edge(0) * edge(1) * DROPS_PER_CELL) as u64).clamp(FEW_DROPS as u64, MOST_DROPS)
+        let cells = self.drop.area_in_cells(self.stacks.side());
+        ((cells * DROPS_PER_CELL) as u64).clamp(FEW_DROPS as u64, MOST_DROPS)
     }
 
     /// Follows those that wait, first on shifted regions.
@@ -208,14 +214,19 @@ fn in_regions(
             let mut entries: Vec<Entry> = Vec::new();
             sorted.iter().for_each(|part| entries.extend_from_slice(part.of_region(index)));
             let mut tally = Tally::default();
-            let mut roller = Roller::new(drop.ground, drop.least_cosine);
+            let mut roller = Roller::new(drop);
             let mut ahead = Ahead::new(&region, &entries, reach);
             for entry in &entries {
                 let quad = ahead.next(&region, &entries);
                 let (x, z) = (f64::from(entry.start.x), f64::from(entry.start.z));
                 if region.claim(&quad) {
-                    let lying = Lying { region: &mut region, others };
-                    follow(drop, lying, &mut roller, (entry, &quad), &mut tally);
+                    let fate = drop.fall(
+                        &Lying { region: &region, others },
+                        &mut roller,
+                        entry.start,
+                        &quad,
+                    );
+                    commit(&mut region, entry, fate, &mut tally);
                 } else if layout.home(x, z) == Some(index) {
                     tally.waiting.push(*entry);
                 }
@@ -228,7 +239,7 @@ fn in_regions(
 }
 
 /// Looks up the cells of drops some time before they fall, and asks for the memory they will need.
-struct Ahead {
+pub(super) struct Ahead {
     quads: [Quad; AHEAD],
     at: usize,
     reach: f64,
@@ -236,7 +247,7 @@ struct Ahead {
 
 impl Ahead {
     /// Before the first of `entries`, which are not none.
-    fn new(region: &StackRegion<'_>, entries: &[Entry], reach: f64) -> Self {
+    pub(super) fn new(region: &StackRegion<'_>, entries: &[Entry], reach: f64) -> Self {
         let quads = std::array::from_fn(|at| match entries.get(at) {
             Some(entry) => entry.quad(region, reach),
             None => region.quad(0.0, 0.0, reach),
@@ -247,7 +258,7 @@ impl Ahead {
 
     /// The cells of the next of `entries`.
     #[inline(always)]
-    fn next(&mut self, region: &StackRegion<'_>, entries: &[Entry]) -> Quad {
+    pub(super) fn next(&mut self, region: &StackRegion<'_>, entries: &[Entry]) -> Quad {
         let slot = self.at % AHEAD;
         let quad = self.quads[slot];
         if let Some(entry) = entries.get(self.at + AHEAD) {
@@ -268,7 +279,7 @@ fn one_by_one(
     tally: &mut Tally,
 ) {
     let reach = drop.reach(stacks);
-    let mut roller = Roller::new(drop.ground, drop.least_cosine);
+    let mut roller = Roller::new(drop);
     let mut at = 0;
     while at < entries.len() {
         let mut region = stacks.whole();
@@ -277,36 +288,38 @@ fn one_by_one(
         let mut ahead = Ahead::new(&region, &entries[start..], reach);
         while at < entries.len() && outside.is_none() {
             let quad = ahead.next(&region, &entries[start..]);
-            let lying = Lying { region: &mut region, others };
-            outside = follow(drop, lying, &mut roller, (&entries[at], &quad), tally);
+            let lying = Lying { region: &region, others };
+            let fate = drop.fall(&lying, &mut roller, entries[at].start, &quad);
+            outside = commit(&mut region, &entries[at], fate, tally);
             at += 1;
         }
-        if let Some(grain) = outside
-            && let Err(error) = store_outside(stacks, grain)
-        {
-            let number = entries[at - 1].number;
-            tally.add(Tally { error: Some((number, error)), ..Tally::default() });
+        if let Some(grain) = outside {
+            store_outside(stacks, grain, &entries[at - 1], tally);
         }
     }
 }
 
 /// Stores a grain that rolled out of the plan: the plan grows by as much again.
-fn store_outside(stacks: &mut GrainStacks, grain: QuantisedGrain) -> Result<(), GrainsError> {
-    stacks.cover_grain(grain, 32 * i32::from(grain.radius.max(1)))?;
-    stacks.push(grain)?;
-    Ok(())
+pub(super) fn store_outside(
+    stacks: &mut GrainStacks,
+    grain: QuantisedGrain,
+    entry: &Entry,
+    tally: &mut Tally,
+) {
+    let grown = stacks.cover_grain(grain, 32 * i32::from(grain.radius.max(1)));
+    if let Err(error) = grown.and_then(|()| stacks.push(grain)) {
+        tally.add(Tally { error: Some((entry.number, error.into())), ..Tally::default() });
+    }
 }
 
-/// Follows one drop; gives its grain back where it lies off the plan.
+/// Lets a drop come to its end; gives its grain back where it lies off the plan.
 #[inline]
-fn follow(
-    drop: &Drop<'_>,
-    lying: Lying<'_, '_>,
-    roller: &mut Roller<'_>,
-    (entry, quad): (&Entry, &Quad),
+pub(super) fn commit(
+    region: &mut StackRegion<'_>,
+    entry: &Entry,
+    fate: Result<Fate, GrainsError>,
     tally: &mut Tally,
 ) -> Option<QuantisedGrain> {
-    let fate = drop.fall(&lying, roller, entry.start, quad);
     let fail = |error| Tally { error: Some((entry.number, error)), ..Tally::default() };
     let grain = match fate {
         Ok(Fate::Rests(grain)) => grain,
@@ -329,7 +342,7 @@ fn follow(
     };
     tally.report.accepted += 1;
     tally.after_success = tally.after_success.max(entry.number + 1);
-    match lying.region.push(grain) {
+    match region.push(grain) {
         Ok(_) => None,
         Err(GrainStacksError::OutsideArea) => Some(grain),
         Err(error) => {

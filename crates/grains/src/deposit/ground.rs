@@ -5,6 +5,9 @@ use snowgrain_accel::{GrainStacks, GrainStacksError, PlanRectangle, SphereContac
 use snowgrain_geometry::Quantisation;
 use snowgrain_math::{Aabb, DMat3, DVec3, Ray};
 
+/// Quanta by which surfaces are asked for lower contacts than count, so that rounding loses none.
+const ROUNDING: f64 = 1.0;
+
 /// What grains fall on, seen along the direction of fall.
 #[derive(Debug)]
 pub(super) struct Ground<'a> {
@@ -181,34 +184,55 @@ impl<'a> Ground<'a> {
         radius: f64,
         [from, down_to]: [f64; 2],
     ) -> Option<GroundContact> {
+        let (GroundKind::Surfaces { quantisation, .. }, Some(lean)) = (&self.kind, &self.lean)
+        else {
+            return self.drop_straight(x, z, radius, [from, down_to]);
+        };
+        let (quantum, origin) = (quantisation.quantum(), quantisation.origin());
+        let start = from.min(f64::from(Quantisation::MAX_COORDINATE));
+        let length = (start - down_to + ROUNDING) * quantum / lean.up.y;
+        let start = origin + self.point(x, z, start) * quantum;
+        let (center, normal) = lean.drop_sphere(start, radius * quantum, length)?;
+        let height = (center.y - origin.y) / quantum;
+        (height > down_to).then_some(GroundContact { height, normal })
+    }
+
+    /// The same for one that falls straight down at `x, z`.
+    pub(super) fn drop_straight(
+        &self,
+        x: f64,
+        z: f64,
+        radius: f64,
+        [from, down_to]: [f64; 2],
+    ) -> Option<GroundContact> {
         let contact = match &self.kind {
             GroundKind::LevelFloor { .. } => GroundContact { height: radius, normal: DVec3::Y },
             GroundKind::Surfaces { surfaces, quantisation } => {
                 let (quantum, origin) = (quantisation.quantum(), quantisation.origin());
                 let start = from.min(f64::from(Quantisation::MAX_COORDINATE));
-                // A quantum lower, so that rounding loses no contact that counts.
-                let least = down_to - 1.0;
-                if let Some(lean) = &self.lean {
-                    let length = (start - least) * quantum / lean.up.y;
-                    let start = origin + self.point(x, z, start) * quantum;
-                    return lean.drop_sphere(start, radius * quantum, length).and_then(
-                        |(center, normal)| {
-                            let height = (center.y - origin.y) / quantum;
-                            (height > down_to).then_some(GroundContact { height, normal })
-                        },
-                    );
-                }
-                let contact = surfaces.drop_sphere(
-                    origin.x + x * quantum,
-                    origin.z + z * quantum,
-                    radius * quantum,
-                    [start, least].map(|height| origin.y + height * quantum),
-                )?;
+                let heights = [start, down_to - ROUNDING].map(|y| origin.y + y * quantum);
+                let [x, z] = [origin.x + x * quantum, origin.z + z * quantum];
+                let contact = surfaces.drop_sphere(x, z, radius * quantum, heights)?;
                 let height = (contact.center_y - origin.y) / quantum;
                 GroundContact { height, normal: contact.normal }
             }
         };
         (contact.height > down_to).then_some(contact)
+    }
+
+    /// Whether grains fall otherwise than straight down.
+    pub(super) fn leans(&self) -> bool {
+        self.lean.is_some()
+    }
+
+    /// Height below which there is no ground, quanta; a plane has none, but stops what falls.
+    pub(super) fn lowest(&self) -> f64 {
+        match &self.kind {
+            GroundKind::LevelFloor { .. } => 0.0,
+            GroundKind::Surfaces { surfaces, quantisation } => {
+                (surfaces.bounds().min.y - quantisation.origin().y) / quantisation.quantum()
+            }
+        }
     }
 
     /// Whether a solid surface (not the level floor) comes within `reach` of `center`; `scratch`

@@ -81,8 +81,9 @@ fn any_number_of_threads_gives_the_grains_of_one_drop_after_another() {
 #[test]
 fn threads_do_not_show_in_snow_that_the_wind_drives() {
     for under in [Under::PeriodicFloor, Under::Sphere, Under::Mesh] {
-        for rule in [DepositRule::Ray, DepositRule::Stick] {
-            let wanted = DepositSettings { direction: [0.7, -1.0, -0.4], ..settings(rule, 12_000) };
+        for rule in RULES {
+            let grains = if rule == DepositRule::Roll { 4_000 } else { 12_000 };
+            let wanted = DepositSettings { direction: [0.7, -1.0, -0.4], ..settings(rule, grains) };
             let expected = fallen(under, &wanted, 0);
             assert!(fallen(under, &wanted, 3) == expected, "{rule:?} on {under:?}");
         }

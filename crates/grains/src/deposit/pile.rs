@@ -75,7 +75,7 @@ impl Pile {
 
 /// What one thread's grains can meet: a region of the stacks that grow, and all others.
 pub(super) struct Lying<'p, 'r> {
-    pub(super) region: &'p mut StackRegion<'r>,
+    pub(super) region: &'p StackRegion<'r>,
     pub(super) others: &'p [&'p GrainStacks],
 }
 

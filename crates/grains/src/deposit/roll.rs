@@ -1,16 +1,17 @@
 //! Rolling to a stable rest, without inertia (Visscher & Bolsterli 1972, "Random packing of equal
 //! and unequal spheres in two and three dimensions", Nature 239, 504).
 //!
-//! A grain that touches others moves along the projection of gravity on the directions that none
+//! A grain falls, along the wind where there is one, until it touches. One that touches others moves along the projection of gravity on the directions that none
 //! of its contacts forbids. With one contact that holds it, its centre runs along a great circle
 //! in the vertical plane through the other centre; with two, along a circle about the axis that
 //! joins them; where no direction is left, it rests: its centre lies, in plan, within the triangle
 //! of three contacts. Both circles are followed exactly: the angle of the next contact, and the
 //! one at which a contact stops pressing, are roots of `p cos t + q sin t = k`.
 
-use super::ground::Ground;
+use super::ground::{Ground, GroundContact};
+use super::looks::Look;
 use super::pile::Lying;
-use super::rules::{Fate, center};
+use super::rules::{Drop, Fate, center};
 use crate::GrainsError;
 use snowgrain_accel::{Fall, GrainSlot, SphereContact};
 use snowgrain_geometry::QuantisedGrain;
@@ -136,22 +137,28 @@ enum End {
 pub(super) struct Roller<'a> {
     ground: &'a Ground<'a>,
     least_cosine: f64,
+    /// Height below which there is nothing to meet.
+    lowest: f64,
     contacts: Vec<Contact>,
     neighbours: Vec<(GrainSlot, QuantisedGrain)>,
     /// Grains just rolled off, which a fall that follows at once leaves behind.
     ignored: Vec<GrainSlot>,
     surfaces: Vec<SphereContact>,
+    /// Where the last grain looked for others.
+    looks: Vec<Look>,
 }
 
 impl<'a> Roller<'a> {
-    pub(super) fn new(ground: &'a Ground<'a>, least_cosine: f64) -> Self {
+    pub(super) fn new(drop: &Drop<'a>) -> Self {
         Self {
-            ground,
-            least_cosine,
+            ground: drop.ground,
+            least_cosine: drop.least_cosine,
+            lowest: drop.lowest,
             contacts: Vec::new(),
             neighbours: Vec::new(),
             ignored: Vec::new(),
             surfaces: Vec::new(),
+            looks: Vec::new(),
         }
     }
 
@@ -159,14 +166,25 @@ impl<'a> Roller<'a> {
     pub(super) fn settle(&mut self, lying: &Lying<'_, '_>, [x, z]: [f64; 2], radius: f64) -> Rest {
         self.contacts.clear();
         self.ignored.clear();
-        let mut at = DVec3::new(x, f64::INFINITY, z);
+        self.looks.clear();
+        let mut at = match self.fall(lying, [x, z], f64::INFINITY, radius) {
+            Ok(at) => at,
+            Err(end) => return end,
+        };
         for _ in 0..MOST_TURNS {
             match self.motion(at) {
                 Motion::Rests => return Rest::Stable(at),
                 Motion::Falls => {
-                    if let Some(end) = self.fall(lying, &mut at, radius) {
-                        return end;
-                    }
+                    self.ignored.extend(self.contacts.drain(..).map(|contact| contact.slot));
+                    let fallen = if self.ground.leans() {
+                        self.fall_straight(lying, at, radius)
+                    } else {
+                        self.fall(lying, [at.x, at.z], at.y, radius)
+                    };
+                    at = match fallen {
+                        Ok(at) => at,
+                        Err(end) => return end,
+                    };
                 }
                 Motion::Rolls { over, arc } => {
                     let (angle, end) = self.end_of(&arc, over, lying, radius);
@@ -193,6 +211,11 @@ impl<'a> Roller<'a> {
         Rest::Unsettled(at)
     }
 
+    /// Where the last grain looked for others.
+    pub(super) fn take_looks(&mut self) -> Vec<Look> {
+        std::mem::take(&mut self.looks)
+    }
+
     fn keep(&mut self, over: [usize; 2]) {
         let [a, b] = over.map(|index| self.contacts[index]);
         self.contacts.clear();
@@ -202,24 +225,97 @@ impl<'a> Roller<'a> {
         }
     }
 
-    /// Lets the sphere fall straight down from `at`; `Some` where that is the end.
-    fn fall(&mut self, lying: &Lying<'_, '_>, at: &mut DVec3, radius: f64) -> Option<Rest> {
-        self.ignored.extend(self.contacts.iter().map(|contact| contact.slot));
+    /// Lets the sphere fall on, from height `from`, along the line of fall at this place of the plan;
+    /// the error is where that is the end.
+    fn fall(
+        &mut self,
+        lying: &Lying<'_, '_>,
+        [x, z]: [f64; 2],
+        from: f64,
+        radius: f64,
+    ) -> Result<DVec3, Rest> {
         let down_to = f64::NEG_INFINITY;
-        let fall = Fall { x: at.x, z: at.z, radius, from: at.y, down_to, ignored: &self.ignored };
+        let fall = Fall { x, z, radius, from, down_to, ignored: &self.ignored };
         let hit = lying.first_contact(&fall);
-        self.contacts.clear();
         let down_to = hit.map_or(down_to, |hit| hit.height);
-        if let Some(ground) = self.ground.drop_sphere(at.x, at.z, radius, [at.y, down_to]) {
-            at.y = ground.height;
-            let steep = ground.normal.y < self.least_cosine;
-            return Some(if steep { Rest::TooSteep } else { Rest::Stable(*at) });
+        let ground = self.ground.drop_sphere(x, z, radius, [from, down_to]);
+        let to = ground.map_or(down_to, |ground| ground.height);
+        self.looks.push(Look::Line { place: [x, z], from, to, radius });
+        self.land(lying.region.point(x, z, to), ground, hit.map(|hit| (hit.slot, hit.grain)))
+    }
+
+    /// Lets the sphere fall straight down from `at`, where lines of fall lean.
+    fn fall_straight(
+        &mut self,
+        lying: &Lying<'_, '_>,
+        at: DVec3,
+        radius: f64,
+    ) -> Result<DVec3, Rest> {
+        let ground = self.ground.drop_straight(at.x, at.z, radius, [at.y, f64::NEG_INFINITY]);
+        let down_to = ground.map_or(self.lowest, |ground| ground.height);
+        match self.look_straight_down(lying, at, radius, down_to) {
+            Some((height, slot, grain)) => {
+                self.land(DVec3::new(at.x, height, at.z), None, Some((slot, grain)))
+            }
+            None => self.land(DVec3::new(at.x, down_to, at.z), ground, None),
         }
-        let Some(hit) = hit else { return Some(Rest::Missed) };
-        at.y = hit.height;
-        self.ignored.clear();
-        self.contacts.push(Contact { slot: hit.slot, center: center(hit.grain) });
+    }
+
+    /// The first grain that the sphere meets straight below `at`, and the height where it does.
+    fn look_straight_down(
+        &mut self,
+        lying: &Lying<'_, '_>,
+        at: DVec3,
+        radius: f64,
+        down_to: f64,
+    ) -> Option<(f64, GrainSlot, QuantisedGrain)> {
+        let step = 4.0 * radius;
+        let mut top = at.y;
+        while top > down_to {
+            let middle = DVec3::new(at.x, top - 0.5 * step, at.z);
+            self.look_around(lying, middle, 0.5 * step + radius);
+            let mut first: Option<(f64, GrainSlot, QuantisedGrain)> = None;
+            for &(slot, grain) in &self.neighbours {
+                let reach = radius + f64::from(grain.radius);
+                let d = center(grain) - at;
+                let square = reach * reach - d.x * d.x - d.z * d.z;
+                let height = at.y + d.y + square.max(0.0).sqrt();
+                let counts = square >= 0.0 && height > down_to && height <= at.y;
+                let higher = first.is_none_or(|(held, ..)| height > held);
+                if counts && higher && !self.ignored.contains(&slot) {
+                    first = Some((height, slot, grain));
+                }
+            }
+            top -= step;
+            if let Some(found) = first.filter(|(height, ..)| *height >= top) {
+                return Some(found);
+            }
+        }
         None
+    }
+
+    /// Finds the `neighbours` whose surface comes within `reach` of a point.
+    fn look_around(&mut self, lying: &Lying<'_, '_>, center: DVec3, reach: f64) {
+        self.looks.push(Look::Ball { center, reach });
+        self.neighbours.clear();
+        lying.near(center, reach, &mut self.neighbours);
+    }
+
+    /// What a fall that ended at `at` has met: the ground, a grain, or nothing.
+    fn land(
+        &mut self,
+        at: DVec3,
+        ground: Option<GroundContact>,
+        hit: Option<(GrainSlot, QuantisedGrain)>,
+    ) -> Result<DVec3, Rest> {
+        if let Some(ground) = ground {
+            let steep = ground.normal.y < self.least_cosine;
+            return Err(if steep { Rest::TooSteep } else { Rest::Stable(at) });
+        }
+        let (slot, grain) = hit.ok_or(Rest::Missed)?;
+        self.ignored.clear();
+        self.contacts.push(Contact { slot, center: center(grain) });
+        Ok(at)
     }
 
     /// The motion that the contacts leave: the projection of gravity on the directions that lead
@@ -285,8 +381,7 @@ impl<'a> Roller<'a> {
     ) -> (f64, End) {
         let (mut angle, mut end) = self.release(arc, over);
         let (middle, half_width) = arc.ball_around(angle);
-        self.neighbours.clear();
-        lying.near(middle, half_width + radius, &mut self.neighbours);
+        self.look_around(lying, middle, half_width + radius);
         for &(slot, grain) in &self.neighbours {
             let other = center(grain);
             let rolled_over =

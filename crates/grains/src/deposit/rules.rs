@@ -36,6 +36,8 @@ pub(super) struct Drop<'a> {
     quantisation: Quantisation,
     pub(super) ground: &'a Ground<'a>,
     pub(super) area: PlanRectangle,
+    /// Height below which a fall meets nothing but planes, quanta.
+    pub(super) lowest: f64,
     /// Least y of an accepted contact normal.
     pub(super) least_cosine: f64,
     /// Mean radius and half-width of its distribution, quanta.
@@ -50,7 +52,7 @@ impl<'a> Drop<'a> {
         settings: &DepositSettings,
         quantisation: &Quantisation,
         ground: &'a Ground<'a>,
-        area: PlanRectangle,
+        (area, lowest): (PlanRectangle, f64),
         snowfall: u64,
     ) -> Self {
         let slope = settings.max_slope_degrees;
@@ -60,6 +62,7 @@ impl<'a> Drop<'a> {
             quantisation: *quantisation,
             ground,
             area,
+            lowest,
             least_cosine,
             mean: settings.radii.mean / quantisation.quantum(),
             variation: settings.radii.variation / quantisation.quantum(),
@@ -79,6 +82,13 @@ impl<'a> Drop<'a> {
     /// How far from its line of fall a drop asks and stores, quanta.
     pub(super) fn reach(&self, stacks: &GrainStacks) -> f64 {
         self.rule.reach(stacks.largest_radius().into())
+    }
+
+    /// Cells of this side that the area would fill.
+    pub(super) fn area_in_cells(&self, side: u16) -> f64 {
+        let PlanRectangle { min, max } = self.area;
+        let edge = |axis: usize| (f64::from(max[axis]) - f64::from(min[axis])) / f64::from(side);
+        edge(0) * edge(1)
     }
 
     /// Where drop number `index` falls, and its radius.

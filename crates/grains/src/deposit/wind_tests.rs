@@ -51,7 +51,7 @@ fn assert_at_rest(rule: DepositRule, direction: [f64; 3], radii: Radii, grains: 
             &settings,
             &quantisation,
             &snow.ground,
-            snow.area(&settings).unwrap(),
+            (snow.area(&settings).unwrap(), snow.lowest()),
             snow.snowfalls - 1,
         );
         let start = drop.start(report.discarded + report.missed);
@@ -144,7 +144,7 @@ fn a_ball_shelters_what_lies_in_its_lee() {
 }
 
 #[test]
-fn a_direction_that_does_not_point_down_is_refused_and_so_is_rolling_in_the_wind() {
+fn a_direction_that_does_not_point_down_is_refused() {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
     let down = DepositSettings::DOWN;
     for (rule, direction) in [
@@ -153,7 +153,7 @@ fn a_direction_that_does_not_point_down_is_refused_and_so_is_rolling_in_the_wind
         (DepositRule::Stick, [0.0, 0.0, 0.0]),
         (DepositRule::Stick, [f64::NAN, -1.0, 0.0]),
         (DepositRule::Ray, [20.0, -1.0, 0.0]),
-        (DepositRule::Roll, [0.1, -1.0, 0.0]),
+        (DepositRule::Roll, [1.0, 0.1, 0.0]),
     ] {
         let mut snow = Snowfall::on_level_floor(quantisation, [20.0 * R; 2]).unwrap();
         let settings = DepositSettings {
@@ -173,6 +173,46 @@ fn a_direction_that_does_not_point_down_is_refused_and_so_is_rolling_in_the_wind
         );
         let turned = DepositSettings { direction: down.map(|x| 3.0 * x), ..settings };
         assert!(snow.deposit(&turned).is_ok());
+    }
+}
+
+/// What rolls off a ball that hangs over nothing, or over a floor, in the wind and without.
+#[test]
+fn grains_that_the_wind_brings_roll_to_rest_by_gravity_alone() {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
+    let ball = (SurfaceShape::Sphere, DAffine3::from_scale(DVec3::splat(12.0 * R)));
+    let floor = DAffine3::from_translation(DVec3::NEG_Y * (12.0 * R));
+    let over_floor = Surfaces::new(&[ball.clone(), (SurfaceShape::Plane, floor)]);
+    let over_nothing = Surfaces::new(&[ball]);
+    for (surfaces, direction, grains) in [
+        (&over_floor, [0.5, -1.0, 0.2], 2_000),
+        (&over_nothing, [0.5, -1.0, 0.2], 250),
+        (&over_nothing, DepositSettings::DOWN, 250),
+    ] {
+        let mut snow = Snowfall::on_surfaces(quantisation, surfaces);
+        let settings = DepositSettings {
+            amount: Amount::Grains(grains),
+            radii: Radii { mean: R, variation: 0.0 },
+            density: None,
+            rule: DepositRule::Roll,
+            max_slope_degrees: 90.0,
+            direction,
+            area: Some([-14.0 * R, -14.0 * R, 14.0 * R, 14.0 * R]),
+            seed: 0,
+        };
+        let report = snow.deposit(&settings).unwrap();
+        assert_eq!((report.accepted, report.unsettled), (grains, 0), "{direction:?}");
+        assert_eq!(report.missed > 0, !surfaces.has_infinite(), "{direction:?}");
+        let (field, quantum) = (snow.into_field(), quantisation.quantum());
+        let rests_on_ground = |grain: &snowgrain_geometry::Grain| {
+            let to_ball = grain.center.length() - 13.0 * R;
+            to_ball < 2.0 * quantum || grain.center.y < -11.0 * R + 2.0 * quantum
+        };
+        let connections = crate::measures::connections(&field, None, &rests_on_ground);
+        assert!(connections.greatest_overlap_depth < quantum, "{direction:?} {connections:?}");
+        assert_eq!(connections.connected_fraction, 1.0, "{direction:?}");
+        // Each rests on three others, or on the ground at first touch.
+        assert!(connections.contacts_per_grain > 2.5, "{direction:?} {connections:?}");
     }
 }
 

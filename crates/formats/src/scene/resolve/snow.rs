@@ -115,7 +115,7 @@ impl Body<'_> {
         if !(0.0..=90.0).contains(&max_slope_degrees) {
             return Err(self.bad("max_slope", "must be 0 to 90 degrees"));
         }
-        let direction = self.direction(rule)?;
+        let direction = self.direction()?;
         let area = self.area()?;
         if area.is_none() && !has_finite_object {
             let mend = "no finite object says where snow falls; write [x0, z0, x1, z1]";
@@ -176,18 +176,13 @@ impl Body<'_> {
         }
     }
 
-    fn direction(&self, rule: DepositRule) -> Result<[f64; 3], SceneError> {
+    fn direction(&self) -> Result<[f64; 3], SceneError> {
         let Some(direction) = self.table.direction else { return Ok(DepositSettings::DOWN) };
         let [x, y, z] = direction;
         let length = (x * x + y * y + z * z).sqrt();
         if !(length.is_finite() && y < 0.0 && -y >= DepositSettings::LEAST_DESCENT * length) {
             let mend = "must point downwards: y below 0 and at least a tenth of the length, as in \
                         [0.3, -1, 0]";
-            return Err(self.bad("direction", mend));
-        }
-        if rule == DepositRule::Roll && (x, z) != (0.0, 0.0) {
-            let mend = "grains that roll find their rest by gravity alone; remove it, or use rule = \
-                        \"stick\" or \"ray\"";
             return Err(self.bad("direction", mend));
         }
         Ok(direction)

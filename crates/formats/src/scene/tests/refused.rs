@@ -207,8 +207,6 @@ fn amounts_of_snow_are_checked() {
         let message = in_snow(&format!("direction = {direction}"));
         assert!(message.contains("snow.0.direction = [") && message.contains("downwards"));
     }
-    let rolling = in_snow("rule = \"roll\"\ndirection = [0.1, -1, 0]");
-    assert!(rolling.contains("grains that roll find their rest by gravity alone"), "{rolling}");
     for area in ["[0, 0, 0, 1]", "[0, 1, 1, 0]", "[nan, 0, 1, 1]", "[0, 0, inf, 1]"] {
         assert!(in_snow(&format!("area = {area}")).contains("snow.0.area = ["));
     }
