@@ -27,6 +27,7 @@ mod ground;
 mod looks;
 mod pile;
 mod roll;
+mod roof;
 mod rules;
 mod speculate;
 
@@ -193,6 +194,11 @@ impl<'a> Snowfall<'a> {
         fill::check_density(settings, self.quantisation.quantum(), area)?;
         let class = self.prepare_stacks(settings, area)?;
         let lowest = self.lowest();
+        let quantum = self.quantisation.quantum();
+        let drawn = settings.radii.largest() / quantum;
+        let drops = fill::expected_grains(settings, quantum, area);
+        let plan = area::grown(area, drawn as u16);
+        self.ground.prepare(plan, settings.rule.surface_reach(drawn.ceil()), drops);
         let (stacks, others) = self.pile.split(class);
         let mut falling = Falling {
             drop: Drop::new(

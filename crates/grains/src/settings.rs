@@ -73,6 +73,16 @@ impl DepositRule {
             Self::Stick | Self::Roll => 2.0 * radius,
         }
     }
+
+    /// How far beside it a falling or rolling grain may ask for surfaces.
+    pub(crate) fn surface_reach(self, radius: f64) -> f64 {
+        match self {
+            Self::Ray => 0.0,
+            Self::Stick => radius,
+            // The ball around half a turn over another grain, grown by the radius.
+            Self::Roll => 4.0 * radius,
+        }
+    }
 }
 
 /// A snowfall.

@@ -146,7 +146,7 @@ impl Snowfall<'_> {
 }
 
 /// The rectangle with a margin for grains of up to `radius` that come to rest beside it.
-fn grown(plan: PlanRectangle, radius: u16) -> PlanRectangle {
+pub(super) fn grown(plan: PlanRectangle, radius: u16) -> PlanRectangle {
     let margin = 16 * i32::from(radius);
     PlanRectangle {
         min: plan.min.map(|low| low.saturating_sub(margin)),

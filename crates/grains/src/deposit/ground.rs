@@ -1,5 +1,6 @@
 //! What grains fall on besides grains; in quanta.
 
+use super::roof::Roof;
 use crate::GrainsError;
 use snowgrain_accel::{GrainStacks, GrainStacksError, PlanRectangle, SphereContact, Surfaces};
 use snowgrain_geometry::Quantisation;
@@ -14,6 +15,8 @@ pub(super) struct Ground<'a> {
     kind: GroundKind<'a>,
     /// Where grains do not fall straight down.
     lean: Option<Lean>,
+    /// How high the surfaces reach, where grains fall straight down on surfaces.
+    roof: Option<Roof>,
 }
 
 /// The closed set of grounds.
@@ -68,7 +71,24 @@ pub(super) struct GroundContact {
 
 impl<'a> Ground<'a> {
     pub(super) fn surfaces(surfaces: &'a Surfaces, quantisation: Quantisation) -> Self {
-        Self { kind: GroundKind::Surfaces { surfaces, quantisation }, lean: None }
+        Self { kind: GroundKind::Surfaces { surfaces, quantisation }, lean: None, roof: None }
+    }
+
+    /// Prepares for so many drops over `plan`, which ask for surfaces within `margin` quanta of a
+    /// vertical.
+    pub(super) fn prepare(&mut self, plan: PlanRectangle, margin: f64, drops: f64) {
+        self.roof = match &self.kind {
+            GroundKind::Surfaces { surfaces, quantisation } if !self.leans() => {
+                Some(Roof::over(surfaces, quantisation, plan, margin, drops))
+            }
+            GroundKind::Surfaces { .. } | GroundKind::LevelFloor { .. } => None,
+        };
+    }
+
+    /// Whether no surface passes above `height` within `reach` of the vertical at `x, z`.
+    #[inline]
+    fn is_below(&self, x: f64, z: f64, reach: f64, height: f64) -> bool {
+        self.roof.as_ref().is_some_and(|roof| roof.is_below([x, z], reach, height))
     }
 
     /// Sees everything along the fall with this drift from now on.
@@ -104,7 +124,7 @@ impl<'a> Ground<'a> {
         let side = (x / even((x / (2.0 * least)).floor())).round();
         let counts = [x, z].map(|width| even((width / (2.0 * side)).round()) as u16);
         let kind = GroundKind::LevelFloor { counts, side: side as u16 };
-        Ok(Self { kind, lean: None })
+        Ok(Self { kind, lean: None, roof: None })
     }
 
     pub(super) fn period(&self) -> Option<[i32; 2]> {
@@ -157,6 +177,9 @@ impl<'a> Ground<'a> {
 
     /// Where a line of fall from above meets the ground above height `down_to`.
     pub(super) fn ray_down(&self, x: f64, z: f64, down_to: f64) -> Option<GroundContact> {
+        if self.is_below(x, z, 0.0, down_to) {
+            return None;
+        }
         match &self.kind {
             GroundKind::LevelFloor { .. } => {
                 (down_to < 0.0).then_some(GroundContact { height: 0.0, normal: DVec3::Y })
@@ -205,6 +228,9 @@ impl<'a> Ground<'a> {
         radius: f64,
         [from, down_to]: [f64; 2],
     ) -> Option<GroundContact> {
+        if self.is_below(x, z, radius, down_to - radius) {
+            return None;
+        }
         let contact = match &self.kind {
             GroundKind::LevelFloor { .. } => GroundContact { height: radius, normal: DVec3::Y },
             GroundKind::Surfaces { surfaces, quantisation } => {
@@ -243,6 +269,9 @@ impl<'a> Ground<'a> {
         reach: f64,
         scratch: &mut Vec<SphereContact>,
     ) -> bool {
+        if self.is_below(center.x, center.z, reach, center.y - reach) {
+            return false;
+        }
         match &self.kind {
             GroundKind::LevelFloor { .. } => false,
             GroundKind::Surfaces { surfaces, quantisation } => {
