@@ -1,6 +1,6 @@
 //! Light among packed grains: one block of sixteen grains a path and round.
 //!
-//! In each round every path tests ONE block of 16 grains (SIMD over the grains), then 16 paths are
+//! In each round every path tests ONE block of 16 grains (SIMD over the grains), then 16 paths step or are
 //! updated at once (SIMD over the paths): layout before width, no gathers, no branch a path. While
 //! one group of 16 is worked on, the cells and blocks of the other groups arrive from memory.
 

@@ -57,6 +57,8 @@ pub(super) struct Group {
     pub(super) ice: u32,
     /// Paths reflected inside a grain that touches nothing.
     pub(super) inside: u32,
+    /// Paths of `air` and `ice` whose answer waits for the next update.
+    pub(super) waiting: u32,
     /// Paths whose cell a surface crosses.
     pub(super) near_surface: u32,
     /// Paths whose cell holds more than one block.
@@ -100,6 +102,7 @@ impl Group {
         self.air &= others;
         self.ice &= others;
         self.inside &= others;
+        self.waiting &= others;
     }
 
     /// A new path, not yet in flight.
@@ -145,8 +148,11 @@ impl Group {
             set(mine, to, get(theirs, from));
         }
         set(&mut self.cell, to, get(&source.cell, from));
+        set(&mut self.found_grain, to, get(&source.found_grain, from));
+        self.found_radius[to] = source.found_radius[from];
         for (mine, theirs) in [
             (&mut self.cos_outside, &source.cos_outside),
+            (&mut self.found, &source.found),
             (&mut self.chord, &source.chord),
             (&mut self.ice_length, &source.ice_length),
             (&mut self.air_length, &source.air_length),
@@ -170,6 +176,7 @@ impl Group {
             (&mut self.air, source.air),
             (&mut self.ice, source.ice),
             (&mut self.inside, source.inside),
+            (&mut self.waiting, source.waiting),
             (&mut self.near_surface, source.near_surface),
             (&mut self.crowded, source.crowded),
         ] {

@@ -1,12 +1,17 @@
-//! One round: group by group, the block tests of its paths, their update, then the rare things one
-//! by one.
+//! One round: group by group, the block tests of its paths, their steps or their whole update, then
+//! the rare things one by one.
 
 use super::paths::{GROUP, place_of};
 use super::test::test_group;
-use super::update::update_group;
+use super::update::{step_group, update_group};
 use super::{BlockFlight, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, Storage, within_brick};
 use fearless_simd::Simd;
+
+/// A group only steps while fewer of its paths wait to scatter, and at least so many are on their way to
+/// the next grain: an update costs more than twice a step.
+const FEWER_WAITING: u32 = 5;
+const LEAST_STEPPING: u32 = 11;
 
 /// Rounds until an event occurs or no path is left in flight.
 #[inline(always)]
@@ -21,7 +26,13 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
                 flight.meet_surfaces_in_air(index);
             }
             let (group, first) = (&mut flight.groups[index], &mut flight.first[index]);
-            let rare = update_group(simd, &flight.shape, flight.ice, group, first);
+            let waiting = (group.waiting | group.inside).count_ones();
+            let stepping = (group.air & !group.waiting).count_ones();
+            let rare = if waiting < FEWER_WAITING && stepping >= LEAST_STEPPING {
+                step_group(simd, &flight.shape, group)
+            } else {
+                update_group(simd, &flight.shape, flight.ice, group, first)
+            };
             if has_surfaces {
                 flight.forget_departures(index);
             }
@@ -41,7 +52,7 @@ impl BlockFlight<'_> {
     fn prefetch_entries(&self, group: usize) {
         let Storage::Packed(cells) = self.grid.storage() else { return };
         let group = &self.groups[group];
-        let mut lanes = group.air | group.ice;
+        let mut lanes = (group.air | group.ice) & !group.waiting;
         while lanes != 0 {
             let at = lanes.trailing_zeros() as usize & (GROUP - 1);
             lanes &= lanes - 1;
@@ -54,8 +65,8 @@ impl BlockFlight<'_> {
     fn fetch_entries(&mut self, group: usize) {
         let grid = self.grid;
         let group = &mut self.groups[group];
-        let mut lanes = group.air | group.ice;
-        (group.near_surface, group.crowded) = (0, 0);
+        let mut lanes = (group.air | group.ice) & !group.waiting;
+        (group.near_surface, group.crowded) = (group.near_surface & !lanes, group.crowded & !lanes);
         while lanes != 0 {
             let at = lanes.trailing_zeros() as usize & (GROUP - 1);
             lanes &= lanes - 1;

@@ -11,7 +11,8 @@ impl BlockFlight<'_> {
     /// their cell?
     #[inline(always)]
     pub(super) fn meet_surfaces_in_air(&mut self, group: usize) {
-        let mut lanes = self.groups[group].near_surface & self.groups[group].air;
+        let Group { near_surface, air, waiting, .. } = self.groups[group];
+        let mut lanes = near_surface & air & !waiting;
         while lanes != 0 {
             let at = lanes.trailing_zeros() as usize & (GROUP - 1);
             lanes &= lanes - 1;

@@ -100,14 +100,16 @@ impl Question {
     }
 }
 
-/// Asks the blocks of the cell of every path that is in air or at the end of a chord.
+/// Asks the blocks of the cell of every path that is in air or at the end of a chord and has no answer
+/// yet.
 #[inline(always)]
 pub(super) fn test_group<S: Simd>(simd: S, blocks: &[Block], group: &mut Group) {
-    ask(simd, blocks, group, group.air, Question::Entered);
-    ask(simd, blocks, group, group.ice, Question::Left);
+    let asking = !group.waiting;
+    ask(simd, blocks, group, group.air & asking, Question::Entered);
+    ask(simd, blocks, group, group.ice & asking, Question::Left);
     // What was found is taken in a pass of its own: it waits for the minimum, which would else hold
     // up the next test.
-    let mut lanes = group.air | group.ice;
+    let mut lanes = (group.air | group.ice) & asking;
     while lanes != 0 {
         let at = lanes.trailing_zeros() as usize & (GROUP - 1);
         lanes &= lanes - 1;

@@ -14,6 +14,9 @@ use fearless_simd::{i32x16, mask32x16, u16x16};
 /// A grain found this far beyond the cell's exit (in quanta) is still taken: its distance and the
 /// exit's are rounded differently, and it may be listed in this cell alone.
 pub(super) const EXIT_TOLERANCE: f32 = 0.0625;
+/// What is found beyond so many times the exit is surely not taken: the number of the slot in the
+/// distance of the block test moves it by 2^-19 of it at most.
+const CLEARLY: f32 = 1.0 + 1.0 / 131_072.0;
 
 type I<S> = i32x16<S>;
 
@@ -89,6 +92,40 @@ fn exit_along<S: Simd>(
     }
 }
 
+/// The way out of each path's cell (or empty brick).
+#[derive(Clone, Copy)]
+struct Exit<S: Simd> {
+    along: [AxisExit<S>; 3],
+    /// Which axis it crosses.
+    by: [M<S>; 3],
+    distance: F<S>,
+}
+
+impl<S: Simd> Exit<S> {
+    #[inline(always)]
+    fn of(
+        simd: S,
+        shape: &CellShape,
+        group: &Group,
+        position: Vector<S>,
+        direction: Vector<S>,
+    ) -> Self {
+        let zero = F::<S>::splat(simd, 0.0);
+        let along = [
+            exit_along(simd, shape, group, 0, position.0, direction.0),
+            exit_along(simd, shape, group, 1, position.1, direction.1),
+            exit_along(simd, shape, group, 2, position.2, direction.2),
+        ];
+        let (x, y, z) = (along[0].distance, along[1].distance, along[2].distance);
+        let by_x = x.simd_le(y) & x.simd_le(z);
+        let by_y = !by_x & y.simd_le(z);
+        let by_z = !(by_x | by_y);
+        let distance = by_x.select(x, by_y.select(y, z));
+        let distance = distance.simd_gt(zero).select(distance, zero);
+        Self { along, by: [by_x, by_y, by_z], distance }
+    }
+}
+
 /// Which of the paths is in a set.
 #[inline(always)]
 fn members<S: Simd>(simd: S, set: u32) -> M<S> {
@@ -115,17 +152,8 @@ pub(super) fn update_group<S: Simd>(
     let inside = members(simd, group.inside);
     let position = Vector::load(simd, &group.position, 0);
     let direction = Vector::load(simd, &group.direction, 0);
-    let exit = [
-        exit_along(simd, shape, group, 0, position.0, direction.0),
-        exit_along(simd, shape, group, 1, position.1, direction.1),
-        exit_along(simd, shape, group, 2, position.2, direction.2),
-    ];
-    let (x, y, z) = (exit[0].distance, exit[1].distance, exit[2].distance);
-    let by_x = x.simd_le(y) & x.simd_le(z);
-    let by_y = !by_x & y.simd_le(z);
-    let by_z = !(by_x | by_y);
-    let exit_distance = by_x.select(x, by_y.select(y, z));
-    let exit_distance = exit_distance.simd_gt(zero).select(exit_distance, zero);
+    let exit = Exit::of(simd, shape, group, position, direction);
+    let exit_distance = exit.distance;
 
     // 1. The grain found: where the ray enters and leaves it, as in the block test.
     let exists = F::<S>::from_slice(simd, &group.found).simd_lt(F::<S>::splat(simd, NOTHING));
@@ -235,7 +263,7 @@ pub(super) fn update_group<S: Simd>(
     let turns = new_ice.select(W::<S>::from_slice(simd, &group.turns) + once, no);
     let new_bits = took_found.select(found_bits, grain_bits);
 
-    Vector::choose(flies, new_direction, direction).store(&mut group.direction, 0);
+    Vector::choose(at_interface, new_direction, direction).store(&mut group.direction, 0);
     new_bits.store_slice(&mut group.grain_radius);
     chord.store_slice(&mut group.chord);
     cos_outside.store_slice(&mut group.cos_outside);
@@ -244,32 +272,9 @@ pub(super) fn update_group<S: Simd>(
     event.store_slice(&mut group.event);
     (visits + hit.select(once, no)).store_slice(&mut group.visits);
     turns.store_slice(&mut group.turns);
-    let mut outside = mask32x16::splat(simd, false);
-    let (mut brick, mut within_brick) = (no, no);
-    let crossed = [step & by_x, step & by_y, step & by_z];
-    let places = [new_position.0, new_position.1, new_position.2];
-    let before = [position.0, position.1, position.2];
-    let grains = [new_grain.0, new_grain.1, new_grain.2];
-    for axis in 0..3 {
-        let moved = move_along(
-            simd,
-            shape,
-            group,
-            axis,
-            &exit[axis],
-            [crossed[axis], step, flies],
-            places[axis],
-        );
-        flies.select(moved.position, before[axis]).store_slice(&mut group.position[axis]);
-        moved.cell.store_slice(&mut group.cell[axis]);
-        (grains[axis] - moved.offset).store_slice(&mut group.grain[axis]);
-        outside |= moved.outside;
-        let cell: W<S> = moved.cell.bitcast();
-        brick += (cell >> 3) * W::<S>::splat(simd, shape.brick_steps[axis]);
-        within_brick |= (cell & W::<S>::splat(simd, 7)) << (3 * axis as u32);
-    }
-    brick.store_slice(&mut group.brick);
-    within_brick.store_slice(&mut group.within_brick);
+    new_grain.store(&mut group.grain, 0);
+    let outside = move_group(simd, shape, group, &exit, [step, flies], new_position);
+    group.waiting = 0;
     let to_air = step | (hit & !passes) | leave | out;
     group.air = to_air.to_bitmask() as u32;
     group.ice = new_ice.to_bitmask() as u32;
@@ -277,6 +282,57 @@ pub(super) fn update_group<S: Simd>(
     let meets = (new_bits & W::<S>::splat(simd, u32::from(MEETS_SURFACE))).simd_gt(no);
     let turned_long = turns.simd_gt(W::<S>::splat(simd, MAX_TURNS_IN_ICE));
     ((flies & outside) | (new_ice & (meets | turned_long))).to_bitmask() as u32
+}
+
+/// Lets the paths in air that surely meet no grain in their cell step to the next; all others wait for
+/// [`update_group`]. The set of paths that need a closer look: they may have left the grid.
+#[inline(always)]
+pub(super) fn step_group<S: Simd>(simd: S, shape: &CellShape, group: &mut Group) -> u32 {
+    let position = Vector::load(simd, &group.position, 0);
+    let direction = Vector::load(simd, &group.direction, 0);
+    let exit = Exit::of(simd, shape, group, position, direction);
+    let reach = exit.distance * F::<S>::splat(simd, CLEARLY) + F::<S>::splat(simd, EXIT_TOLERANCE);
+    let clear = F::<S>::from_slice(simd, &group.found).simd_gt(reach);
+    let step = members(simd, group.air & !group.waiting) & clear;
+    let zero = F::<S>::splat(simd, 0.0);
+    let travelled = step.select(exit.distance, zero);
+    (F::<S>::from_slice(simd, &group.air_length) + travelled).store_slice(&mut group.air_length);
+    let new_position = position.plus(direction, travelled);
+    let outside = move_group(simd, shape, group, &exit, [step, step], new_position);
+    group.waiting = (group.air | group.ice) & !(step.to_bitmask() as u32);
+    (step & outside).to_bitmask() as u32
+}
+
+/// Writes back where the paths `moves` are now, of which `step` crossed a face: their cell, place and
+/// grain; which of them are beyond the grid.
+#[inline(always)]
+fn move_group<S: Simd>(
+    simd: S,
+    shape: &CellShape,
+    group: &mut Group,
+    exit: &Exit<S>,
+    [step, moves]: [M<S>; 2],
+    position: Vector<S>,
+) -> M<S> {
+    let mut outside = mask32x16::splat(simd, false);
+    let (mut brick, mut within_brick) = (W::<S>::splat(simd, 0), W::<S>::splat(simd, 0));
+    for (axis, place) in [position.0, position.1, position.2].into_iter().enumerate() {
+        let crossed = step & exit.by[axis];
+        let masks = [crossed, step, moves];
+        let moved = move_along(simd, shape, group, axis, &exit.along[axis], masks, place);
+        let before = F::<S>::from_slice(simd, &group.position[axis]);
+        moves.select(moved.position, before).store_slice(&mut group.position[axis]);
+        moved.cell.store_slice(&mut group.cell[axis]);
+        let grain = F::<S>::from_slice(simd, &group.grain[axis]);
+        (grain - moved.offset).store_slice(&mut group.grain[axis]);
+        outside |= moved.outside;
+        let cell: W<S> = moved.cell.bitcast();
+        brick += (cell >> 3) * W::<S>::splat(simd, shape.brick_steps[axis]);
+        within_brick |= (cell & W::<S>::splat(simd, 7)) << (3 * axis as u32);
+    }
+    brick.store_slice(&mut group.brick);
+    within_brick.store_slice(&mut group.within_brick);
+    outside
 }
 
 struct Moved<S: Simd> {
