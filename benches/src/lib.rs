@@ -3,7 +3,7 @@
 //! Machines are noisy: rates are per CPU second of this process, each the best of a few runs, and
 //! figures are compared within one run only.
 
-use snowgrain_accel::{GrainGrid, Packing, Surfaces};
+use snowgrain_accel::{Packing, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, GrainField, Radii, Snowfall};
 use snowgrain_math::DVec3;
@@ -76,7 +76,6 @@ pub fn pile(rule: DepositRule, grains: u64, layers: f64) -> (GrainField, [f64; 2
 #[must_use]
 pub fn world(field: &GrainField, eta: f64, packing: Packing) -> World {
     let surfaces = Surfaces::default();
-    let grid = GrainGrid::build(field.quantisation, &*field.grains(), &surfaces, packing)
-        .expect("equal grains can be packed");
+    let grid = field.pack(&surfaces, packing).expect("equal grains can be packed");
     World { grid, surfaces, albedos: Vec::new(), eta }
 }

@@ -279,7 +279,11 @@ impl GrainStacks {
     /// All grains, cell by cell (columns along x, rows along z), newest block first within a cell:
     /// an order that depends on what was pushed only.
     pub fn iter(&self) -> impl Iterator<Item = QuantisedGrain> + '_ {
-        (0..self.parts()).flat_map(|part| self.part(part))
+        (0..self.parts()).flat_map(|part| {
+            let mut grains = Vec::new();
+            self.part(part, &mut grains);
+            grains
+        })
     }
 
     /// Number of parts that the grains can be walked in, each a band of rows of cells.
@@ -293,25 +297,53 @@ impl GrainStacks {
         (CELLS_PER_PART / self.plan.counts[0].max(1)).max(1)
     }
 
-    /// The grains of a part; those of all parts, one after another, come as from [`Self::iter`].
-    pub fn part(&self, part: usize) -> impl Iterator<Item = QuantisedGrain> + '_ {
+    /// Appends the grains of a part to `out`; those of all parts, one after another, come as from
+    /// [`Self::iter`].
+    pub fn part(&self, part: usize, out: &mut Vec<QuantisedGrain>) {
         let step = self.rows_per_part();
         let from = i32::try_from(part).unwrap_or(i32::MAX).saturating_mul(step);
         let until = from.saturating_add(step).min(self.plan.counts[1]);
-        (from..until).flat_map(move |row| self.row(row))
+        let mut blocks = Vec::new();
+        for row in from..until {
+            for column in (0..self.plan.counts[0]).step_by(plan::TILE_EDGE as usize) {
+                self.row_of_tile([column, row], &mut blocks, out);
+            }
+        }
     }
 
-    fn row(&self, row: i32) -> impl Iterator<Item = QuantisedGrain> + '_ {
-        let frame = Frame::whole(&self.plan);
-        (0..self.plan.counts[0]).flat_map(move |column| {
-            let tile = &self.tiles[frame.tile_index([column, row]).unwrap_or(0)];
-            let [first_column, first_row] = self.plan.first;
+    /// The grains of the cells of one tile in one row, from `column` on. Links are followed in all of
+    /// these cells at a time, so that their memory is waited for together; `blocks` is overwritten.
+    fn row_of_tile<'a>(
+        &'a self,
+        [column, row]: [i32; 2],
+        blocks: &mut Vec<(i32, &'a block::Block)>,
+        out: &mut Vec<QuantisedGrain>,
+    ) {
+        let index = Frame::whole(&self.plan).tile_index([column, row]);
+        let Some(tile) = index.and_then(|index| self.tiles.get(index)) else { return };
+        let end = (column + plan::TILE_EDGE).min(self.plan.counts[0]);
+        let newest = |column| tile.newest(Tile::cell_index([column, row]));
+        blocks.clear();
+        blocks.extend((column..end).filter_map(|column| Some((column, newest(column)?))));
+        let mut seen = 0;
+        while seen < blocks.len() {
+            let level = seen..blocks.len();
+            seen = level.end;
+            for at in level {
+                let (column, block) = blocks[at];
+                if let Some(older) = tile.below(block) {
+                    blocks.push((column, older));
+                }
+            }
+        }
+        blocks.sort_by_key(|&(column, _)| column);
+        let [first_column, first_row] = self.plan.first;
+        for &(column, block) in &*blocks {
             let corner = self.plan.corner(first_column + column, first_row + row);
-            tile.blocks(Tile::cell_index([column, row])).flat_map(move |(_, block)| {
-                (0..block.count()).map(move |lane| {
-                    self.plan.in_first_period(self.plan.grain(block, lane, corner))
-                })
-            })
-        })
+            out.extend(
+                (0..block.count())
+                    .map(|lane| self.plan.in_first_period(self.plan.grain(block, lane, corner))),
+            );
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A pack of grains.
 
-use snowgrain_accel::GrainStacks;
+use snowgrain_accel::{GrainGrid, GrainParts, GrainStacks, GridError, Packing, Surfaces};
 use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
 use snowgrain_math::Aabb;
 use std::borrow::Cow;
@@ -67,35 +67,39 @@ impl GrainField {
         fallen + self.listed.len().div_ceil(GRAINS_PER_PART)
     }
 
-    /// The grains of a part: some rows of the plan of what fell, seen along the direction of fall,
-    /// or a run of what was listed.
-    pub fn part(&self, part: usize) -> impl Iterator<Item = QuantisedGrain> + '_ {
+    /// Appends the grains of a part to `out`: some rows of the plan of what fell, seen along the
+    /// direction of fall, or a run of what was listed.
+    pub fn part(&self, part: usize, out: &mut Vec<QuantisedGrain>) {
         let mut index = part;
-        let mut fallen = None;
         for stacks in &self.stacks {
             let parts = stacks.parts();
             if index < parts {
-                fallen = Some(stacks.part(index));
-                break;
+                return stacks.part(index, out);
             }
             index -= parts;
         }
-        let listed: &[QuantisedGrain] = if fallen.is_some() {
-            &[]
-        } else {
-            self.listed.chunks(GRAINS_PER_PART).nth(index).unwrap_or_default()
-        };
-        fallen.into_iter().flatten().chain(listed.iter().copied())
+        let first = (index * GRAINS_PER_PART).min(self.listed.len());
+        let last = (first + GRAINS_PER_PART).min(self.listed.len());
+        out.extend_from_slice(&self.listed[first..last]);
     }
 
-    /// Calls `visit` with every grain of a part, in order.
-    pub fn for_each_in_part(&self, part: usize, visit: &mut impl FnMut(QuantisedGrain)) {
-        self.part(part).for_each(visit);
+    /// Packs the grains for light, beside `surfaces`, part by part from where they lie.
+    ///
+    /// # Errors
+    /// As [`GrainGrid::build`].
+    pub fn pack(&self, surfaces: &Surfaces, packing: Packing) -> Result<GrainGrid, GridError> {
+        let read = |part: usize, out: &mut Vec<QuantisedGrain>| self.part(part, out);
+        let grains = GrainParts::Parts { count: self.parts(), read: &read };
+        GrainGrid::build(self.quantisation, grains, surfaces, packing)
     }
 
     /// All grains, part by part.
     pub fn quantised(&self) -> impl Iterator<Item = QuantisedGrain> + '_ {
-        (0..self.parts()).flat_map(|part| self.part(part))
+        (0..self.parts()).flat_map(|part| {
+            let mut grains = Vec::new();
+            self.part(part, &mut grains);
+            grains
+        })
     }
 
     /// All grains as a slice: a copy of them, where they fell.

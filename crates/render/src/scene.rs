@@ -189,9 +189,8 @@ fn build_grid(
     stage(BuildStage::Packing);
     let quantisation = field.quantisation;
     let packing = description.packing.unwrap_or_default();
-    let grains = field.into_grains();
-    let grid = GrainGrid::build(quantisation, &grains, surfaces, packing)?;
-    let digest = GrainDigest::new(quantisation, packing, grains.into_iter());
+    let grid = field.pack(surfaces, packing)?;
+    let digest = GrainDigest::new(quantisation, packing, &field);
     Ok((grid, digest))
 }
 

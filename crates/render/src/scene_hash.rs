@@ -1,8 +1,8 @@
 //! A digest of everything that decides the pixels.
 
 use crate::description::{LightDescription, ObjectShape, Packing, SceneDescription};
-use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh};
-use snowgrain_grains::LatticeCell;
+use snowgrain_geometry::{Quantisation, TriangleMesh};
+use snowgrain_grains::{GrainField, LatticeCell};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -28,15 +28,11 @@ impl GrainDigest {
 
     /// Of all grains, in their order, and their packing, in which light is rounded.
     #[must_use]
-    pub(crate) fn new(
-        quantisation: Quantisation,
-        packing: Packing,
-        grains: impl Iterator<Item = QuantisedGrain>,
-    ) -> Self {
+    pub(crate) fn new(quantisation: Quantisation, packing: Packing, field: &GrainField) -> Self {
         const BATCH: usize = 1 << 16;
         let mut hasher = blake3::Hasher::new();
         let mut bytes = Vec::with_capacity(BATCH + 14);
-        for grain in grains {
+        for grain in field.quantised() {
             for coordinate in grain.center {
                 bytes.extend_from_slice(&coordinate.to_le_bytes());
             }

@@ -26,7 +26,7 @@ pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
 pub use packing::Packing;
-pub use parts::{GrainParts, PartVisitor};
+pub use parts::{GrainParts, PartReader};
 pub(crate) use sites::{LatticeSites, SiteKind};
 
 use crate::Surfaces;

@@ -17,13 +17,13 @@ pub enum GrainParts<'a> {
     Parts {
         /// Number of parts.
         count: usize,
-        /// Shows every grain of a part, always in the same order.
-        each: &'a PartVisitor<'a>,
+        /// Appends the grains of a part, always in the same order.
+        read: &'a PartReader<'a>,
     },
 }
 
-/// Calls the function given with every grain of the part.
-pub type PartVisitor<'a> = dyn Fn(usize, &mut dyn FnMut(QuantisedGrain)) + Sync + 'a;
+/// Appends the grains of the part to the list.
+pub type PartReader<'a> = dyn Fn(usize, &mut Vec<QuantisedGrain>) + Sync + 'a;
 
 impl GrainParts<'_> {
     pub(super) fn count(&self) -> usize {
@@ -41,7 +41,11 @@ impl GrainParts<'_> {
                 let last = grains.len().min(first + GRAINS_PER_PART);
                 grains[first..last].iter().for_each(|&grain| visit(grain));
             }
-            Self::Parts { each, .. } => each(part, &mut visit),
+            Self::Parts { read, .. } => {
+                let mut grains = Vec::new();
+                read(part, &mut grains);
+                grains.into_iter().for_each(visit);
+            }
         }
     }
 }

@@ -96,10 +96,10 @@ fn the_structure_does_not_depend_on_threads_or_parts() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let each = |part: usize, visit: &mut dyn FnMut(QuantisedGrain)| {
-                grains.chunks(777).nth(part).unwrap().iter().for_each(|&grain| visit(grain));
+            let read = |part: usize, out: &mut Vec<QuantisedGrain>| {
+                out.extend_from_slice(grains.chunks(777).nth(part).unwrap());
             };
-            let parts = GrainParts::Parts { count: grains.len().div_ceil(777), each: &each };
+            let parts = GrainParts::Parts { count: grains.len().div_ceil(777), read: &read };
             let quantisation = Quantisation::for_grains(DVec3::ZERO, 1.0);
             [
                 pack(&grains, None, Packing::Fast),

@@ -59,6 +59,13 @@ impl Tile {
         &self.chunks[index / BLOCKS_PER_CHUNK][index % BLOCKS_PER_CHUNK]
     }
 
+    /// The block that lies below a block of the same stack.
+    #[inline(always)]
+    pub(super) fn below(&self, block: &Block) -> Option<&Block> {
+        let older = block.older();
+        (older != NO_BLOCK).then(|| self.older(older))
+    }
+
     /// Name of the grain in a lane of an older block.
     pub(super) fn slot(&self, block: u32, lane: usize) -> GrainSlot {
         GrainSlot(u64::from(self.name) << 32 | u64::from(block << 4 | lane as u32))

@@ -102,7 +102,7 @@ fn the_parts_of_a_field_are_its_grains_in_order() {
     let (field, _) = fallen(Under::Floor, &settings(DepositRule::Ray, 20_000), 2);
     let mut walked = Vec::new();
     for part in 0..field.parts() {
-        field.for_each_in_part(part, &mut |grain| walked.push(grain));
+        field.part(part, &mut walked);
     }
     assert!(field.parts() > 1 && walked.len() == field.len());
     assert_eq!(walked, field.grains().into_owned());
