@@ -2,7 +2,9 @@
 
 mod compare;
 mod deposit;
+mod laboratory_values;
 mod measure;
+mod optics;
 mod render;
 mod values;
 
@@ -15,6 +17,7 @@ use std::process::ExitCode;
 pub(crate) use compare::CompareArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
+pub(crate) use optics::{AlbedoArguments, Method, OpticsArguments, OpticsKind, TableFormat};
 pub(crate) use render::RenderArguments;
 pub(crate) use values::{PictureFile, PictureFormat, Size};
 
@@ -44,6 +47,7 @@ pub(crate) enum Command {
     Scenes(ScenesArguments),
     Compare(CompareArguments),
     Measure(MeasureArguments),
+    Optics(OpticsArguments),
     /// Prints the JSON Schema of scene files, for editors.
     #[command(after_help = "Example:\n  snowgrain schema > scene.schema.json")]
     Schema,

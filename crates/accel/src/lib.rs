@@ -6,6 +6,7 @@
 pub mod flight;
 pub mod grain_grid;
 pub mod grain_stacks;
+pub mod homogeneous;
 mod pages;
 mod prefetch;
 pub mod simd;

@@ -11,6 +11,7 @@
 //! | mesh (OBJ, PLY) | [`load_mesh`] | |
 //! | grains (PLY) | [`read_grains`] | [`write_grains`] |
 //! | film | [`read_film`] | [`write_film`] |
+//! | layers of snow (TOML) | [`laboratory::read_layers`] | |
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
@@ -19,6 +20,7 @@ mod film_file;
 mod grains;
 pub mod image;
 mod input;
+pub mod laboratory;
 mod mesh;
 mod ply;
 pub mod scene;

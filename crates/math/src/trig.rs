@@ -45,6 +45,13 @@ pub fn exp_f32(x: f32) -> f32 {
     libm::expf(x)
 }
 
+/// `e^x - 1`, exact near 0.
+#[inline]
+#[must_use]
+pub fn exp_m1(x: f64) -> f64 {
+    libm::expm1(x)
+}
+
 /// Cube root.
 #[must_use]
 pub fn cbrt(x: f64) -> f64 {

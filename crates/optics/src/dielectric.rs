@@ -17,6 +17,13 @@ impl Dielectric {
         fresnel::reflectance(cos_theta_i, self.eta)
     }
 
+    /// Reflectances from the surroundings of light polarised across the plane of incidence and along
+    /// it.
+    #[must_use]
+    pub fn polarised_reflectances_from_outside(self, cos_theta_i: f64) -> [f64; 2] {
+        fresnel::polarised_reflectances(cos_theta_i, self.eta)
+    }
+
     /// Reflectance of light that arrives from the medium's inside; cosine of incidence in [0, 1].
     #[must_use]
     pub fn reflectance_from_inside(self, cos_theta_i: f64) -> f64 {

@@ -11,15 +11,25 @@ use snowgrain_math::DVec3;
 /// `cos_theta_i` in [0, 1] is the cosine of the angle of incidence; `relative_index` > 0.
 #[must_use]
 pub fn reflectance(cos_theta_i: f64, relative_index: f64) -> f64 {
+    let [s, p] = polarised_reflectances(cos_theta_i, relative_index);
+    0.5 * (s + p)
+}
+
+/// Reflectances of light polarised across the plane of incidence (s) and along it (p); 1 beyond the
+/// critical angle.
+///
+/// `cos_theta_i` in [0, 1] is the cosine of the angle of incidence; `relative_index` > 0.
+#[must_use]
+pub fn polarised_reflectances(cos_theta_i: f64, relative_index: f64) -> [f64; 2] {
     if relative_index == 1.0 {
-        return 0.0;
+        return [0.0; 2];
     }
-    let Some(cos_theta_t) = cos_refracted(cos_theta_i, relative_index) else { return 1.0 };
+    let Some(cos_theta_t) = cos_refracted(cos_theta_i, relative_index) else { return [1.0; 2] };
     let s =
         (cos_theta_i - relative_index * cos_theta_t) / (cos_theta_i + relative_index * cos_theta_t);
     let p =
         (relative_index * cos_theta_i - cos_theta_t) / (relative_index * cos_theta_i + cos_theta_t);
-    0.5 * (s * s + p * p)
+    [s * s, p * p]
 }
 
 /// Cosine of the angle of refraction (Snell), `None` where all light is reflected.

@@ -1,8 +1,9 @@
-//! Light and ice without scenes: Fresnel's equations, the ice that a path has crossed, and the
-//! closed form of a grain that touches nothing.
+//! Light and ice without scenes: Fresnel's equations, the ice that a path has crossed, the closed form
+//! of a grain that touches nothing; what ice and impurities absorb at each wavelength; and the
+//! theories of how much light snow reflects.
 //!
-//! Geometric optics throughout: no diffraction, unpolarised light, `f64`. Nothing here knows where
-//! a grain lies or what surrounds it.
+//! Geometric optics throughout: no diffraction, `f64`. Nothing here knows where a grain lies or what
+//! surrounds it. Wavelengths are in nanometres, everything else in SI units.
 //!
 //! ```
 //! use snowgrain_optics::{Dielectric, sphere};
@@ -13,9 +14,17 @@
 
 pub mod dielectric;
 pub mod fresnel;
+pub mod ice;
 pub mod ice_path;
+pub mod impurity;
 mod quadrature;
+pub mod spectrum;
 pub mod sphere;
+mod table;
+pub mod theory;
 
 pub use dielectric::Dielectric;
+pub use ice::IceAbsorption;
 pub use ice_path::IcePath;
+pub use impurity::{Impurity, ImpurityKind, Load};
+pub use spectrum::Spectrum;

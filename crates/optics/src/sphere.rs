@@ -116,12 +116,36 @@ pub fn asymmetry(medium: Dielectric) -> f64 {
     mean_over_disc(medium, Impact::mean_cosine)
 }
 
+/// g of light that keeps its polarisation, across or along the plane of incidence, from the entry to the
+/// exit: the mean of both, and what Mie's theory tends to for large spheres.
+#[must_use]
+pub fn asymmetry_of_polarised(medium: Dielectric) -> f64 {
+    mean_over_disc(medium, |impact| {
+        let cos_i = trig::sin_cos(impact.theta_i).1;
+        let [s, p] = medium.polarised_reflectances_from_outside(cos_i);
+        0.5 * (Impact { reflectance: s, ..*impact }.mean_cosine()
+            + Impact { reflectance: p, ..*impact }.mean_cosine())
+    })
+}
+
 /// B: mean length in the sphere per visit over the mean straight chord 4r/3, that is the weak
 /// absorption 1 - w = (4/3) gamma r B. Equals eta^2 - (eta^2-1)^(3/2)/eta for eta >= 1 and eta^2
 /// below.
 #[must_use]
 pub fn absorption_enhancement(medium: Dielectric) -> f64 {
     0.75 * mean_over_disc(medium, Impact::mean_path)
+}
+
+/// 1 - w: the fraction of a beam on the sphere that its ice absorbs, for `absorption` a radius of it
+/// (gamma r >= 0). To first order (4/3) gamma r B.
+#[must_use]
+pub fn co_albedo(medium: Dielectric, absorption: f64) -> f64 {
+    mean_over_disc(medium, |impact| {
+        let (r, entering) = (impact.reflectance, 1.0 - impact.reflectance);
+        // What enters and the geometric series of its chords: (1-R) (1-e) / (1 - R e).
+        let lost = -trig::exp_m1(-absorption * impact.chord());
+        if r == 1.0 { 0.0 } else { entering * lost / (1.0 - r * (1.0 - lost)) }
+    })
 }
 
 #[cfg(test)]
@@ -168,6 +192,15 @@ mod tests {
     }
 
     #[test]
+    fn light_that_keeps_its_polarisation_is_scattered_as_the_reference_table_says() {
+        // Columns n and g_pol of `go_single_sphere.csv`.
+        for (eta, g) in [(1.28, 0.806944), (1.29, 0.799552), (1.31, 0.784965)] {
+            let value = asymmetry_of_polarised(Dielectric { eta });
+            assert!((value - g).abs() < 5e-6, "{eta}: {value}");
+        }
+    }
+
+    #[test]
     fn enhancement_has_its_closed_form_on_both_sides_of_one() {
         for eta in [1.0f64, 1.05, 1.31, 2.0] {
             let closed = eta * eta - (eta * eta - 1.0).sqrt() * (eta * eta - 1.0) / eta;
@@ -206,6 +239,23 @@ mod tests {
                 (0..2000).map(|p| impact.energy(p) * trig::sin_cos(impact.deflection(p)).1).sum();
             assert!((impact.mean_cosine() - sum).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn the_co_albedo_is_what_the_orders_lose_and_to_first_order_the_enhanced_chord() {
+        let ice = Dielectric { eta: 1.31 };
+        for absorption in [1e-4, 0.01, 0.3, 3.0] {
+            let kept = mean_over_disc(ice, |impact| {
+                (0..300)
+                    .map(|p| {
+                        impact.energy(p) * trig::exp(-absorption * f64::from(p) * impact.chord())
+                    })
+                    .sum::<f64>()
+            });
+            assert!((co_albedo(ice, absorption) - (1.0 - kept)).abs() < 1e-6, "{absorption}");
+        }
+        let weak = co_albedo(ice, 1e-6) / (4.0 / 3.0 * 1e-6 * absorption_enhancement(ice));
+        assert!((weak - 1.0).abs() < 1e-5, "{weak}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ pub mod camera;
 pub mod description;
 mod error;
 mod estimate;
+pub mod laboratory;
 pub mod light;
 pub mod measure;
 mod render;

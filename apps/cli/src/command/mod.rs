@@ -3,6 +3,7 @@
 mod compare;
 mod deposit;
 mod measure;
+mod optics;
 mod render;
 mod scenes;
 mod schema;
@@ -18,6 +19,7 @@ pub(crate) fn run(command: &Command) -> Result<u8, Failure> {
         Command::Scenes(arguments) => scenes::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),
+        Command::Optics(arguments) => optics::run(arguments),
         Command::Schema => schema::run(),
     }
 }

@@ -7,9 +7,9 @@
 
 mod blocks;
 mod crystal;
-mod random;
+pub(crate) mod random;
 mod sphere;
-mod vector;
+pub(crate) mod vector;
 
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, SimdLevel, SurfaceHit, SurfaceId, Surfaces};

@@ -7,23 +7,23 @@ const MULTIPLIER: u32 = 1_664_525;
 const INCREMENT: u32 = 1_013_904_223;
 
 /// One word of the hash's input after its first step. The kernels keep keys and events in this form.
-pub(super) fn prepared(word: u32) -> u32 {
+pub(crate) fn prepared(word: u32) -> u32 {
     word.wrapping_mul(MULTIPLIER).wrapping_add(INCREMENT)
 }
 
 /// The word that [`prepared`] made `prepared` of.
-pub(super) fn unprepared(prepared: u32) -> u32 {
+pub(crate) fn unprepared(prepared: u32) -> u32 {
     // The inverse of the multiplier modulo 2^32.
     prepared.wrapping_sub(INCREMENT).wrapping_mul(4_276_115_653)
 }
 
 /// What takes a prepared event to the next one.
-pub(super) const NEXT_EVENT: u32 = MULTIPLIER;
+pub(crate) const NEXT_EVENT: u32 = MULTIPLIER;
 
 /// First number of event `event` of each path, `snowgrain_math::sampler::numbers(key, event)[0]`,
 /// times 2^24; all words are [`prepared`].
 #[inline(always)]
-pub(super) fn uniform_24_bits<S: Simd>(key: [W<S>; 2], event: W<S>) -> F<S> {
+pub(crate) fn uniform_24_bits<S: Simd>(key: [W<S>; 2], event: W<S>) -> F<S> {
     let ([mut x, mut y], mut z) = (key, event);
     x += y * z;
     y += z * x;
@@ -34,6 +34,30 @@ pub(super) fn uniform_24_bits<S: Simd>(key: [W<S>; 2], event: W<S>) -> F<S> {
     x += y * z;
     let top: fearless_simd::i32x16<S> = (x >> 8).bitcast();
     top.to_float()
+}
+
+/// The three words of event `event` of each path, `snowgrain_math::sampler::pcg3d` of key and event;
+/// all words given are [`prepared`].
+#[inline(always)]
+pub(crate) fn hashed<S: Simd>(key: [W<S>; 2], event: W<S>) -> [W<S>; 3] {
+    let ([mut x, mut y], mut z) = (key, event);
+    x += y * z;
+    y += z * x;
+    z += x * y;
+    x ^= x >> 16;
+    y ^= y >> 16;
+    z ^= z >> 16;
+    x += y * z;
+    y += z * x;
+    z += x * y;
+    [x, y, z]
+}
+
+/// The top 24 bits of each word as a number in `[0, 1)`.
+#[inline(always)]
+pub(crate) fn unit_interval<S: Simd>(simd: S, words: W<S>) -> F<S> {
+    let top: fearless_simd::i32x16<S> = (words >> 8).bitcast();
+    simd.cvt_f32_i32x16(top) * F::<S>::splat(simd, 1.0 / 16_777_216.0)
 }
 
 #[cfg(test)]

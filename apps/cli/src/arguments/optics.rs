@@ -1,0 +1,175 @@
+//! `snowgrain optics` as typed.
+
+use super::laboratory_values::{Depth, ImpurityLoads, Wavelengths};
+use super::{MachineArguments, laboratory_values};
+use clap::{ArgGroup, Args, Subcommand, ValueEnum};
+use snowgrain_accel::homogeneous::Polarisation;
+use snowgrain_optics::IceAbsorption;
+use std::path::PathBuf;
+
+/// The snow laboratory: what flat layers of snow do to light at each wavelength.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    snowgrain optics albedo --radius 200um --wavelengths 350:1290:10 --sza 60")]
+pub(crate) struct OpticsArguments {
+    #[command(subcommand)]
+    pub(crate) kind: OpticsKind,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum OpticsKind {
+    Albedo(Box<AlbedoArguments>),
+}
+
+/// Spectral reflectance, transmittance and absorptance of flat layers of snow.
+///
+/// One line for each method and each combination of radius, density, depth, light, impurities and
+/// wavelength. R is the plane albedo of snow and ground, T the light that arrives at the ground
+/// (direct light included), A what ice and impurities absorb, each as a part of the light that falls
+/// on the snow.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("grains").required(true).args(["radius", "ssa", "layers"]))]
+#[command(group = ArgGroup::new("light").args(["diffuse", "sza"]).multiple(true))]
+#[command(after_help = "Examples:\n  \
+    snowgrain optics albedo --radius 200um --wavelengths 350:1290:10\n  \
+    snowgrain optics albedo --ssa 20 --sza 0,30,60 --impurity black-carbon=0ppb,100ppb\n  \
+    snowgrain optics albedo --radius 150um --density 250 --depth 3cm --ground 0.2 \\\n    \
+        --wavelengths 420,520,620 --method homogeneous,wiscombe-warren\n  \
+    snowgrain optics albedo --layers pack.toml --diffuse --format json -o albedo.json\n\n\
+    A file of layers, from the top down:\n  \
+    [[layer]]\n  \
+    bottom = \"3 cm\"        # of its lower face; \"inf\" for deep snow\n  \
+    radius = \"100 um\"      # or ssa = 32.7, in m^2/kg\n  \
+    density = 250\n  \
+    impurities = { black-carbon = \"100 ppb\", snow-algae = \"20000 cells/mL\" }")]
+pub(crate) struct AlbedoArguments {
+    /// Radius of the grains, as 150um; several, separated by commas, make as many cases
+    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',',
+          value_parser = laboratory_values::radius)]
+    pub(crate) radius: Vec<f64>,
+
+    /// Specific surface area of the grains instead, m^2/kg: 3 / (917 r)
+    #[arg(long, value_name = "M2/KG,...", value_delimiter = ',',
+          value_parser = laboratory_values::specific_surface_area)]
+    pub(crate) ssa: Vec<f64>,
+
+    /// Layers from a file instead (see below)
+    #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["density", "depth", "impurity"])]
+    pub(crate) layers: Option<PathBuf>,
+
+    /// Density, kg/m^3
+    #[arg(long, value_name = "KG/M3,...", value_delimiter = ',', default_value = "300",
+          value_parser = laboratory_values::density)]
+    pub(crate) density: Vec<f64>,
+
+    /// Depth, as 3cm; inf: deep enough that no light comes back from below
+    #[arg(long, value_name = "LENGTH|inf,...", value_delimiter = ',', default_value = "inf")]
+    pub(crate) depth: Vec<Depth>,
+
+    /// Albedo of the ground below, which is diffuse
+    #[arg(long, value_name = "0..1", default_value_t = 0.0,
+          value_parser = laboratory_values::albedo)]
+    pub(crate) ground: f64,
+
+    /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10")]
+    pub(crate) wavelengths: Wavelengths,
+
+    /// Light from all of the sky alike; so it is where no --sza is given
+    #[arg(long)]
+    pub(crate) diffuse: bool,
+
+    /// Parallel light at these zenith angles, degrees
+    #[arg(long, value_name = "DEGREES,...", value_delimiter = ',',
+          value_parser = laboratory_values::zenith)]
+    pub(crate) sza: Vec<f64>,
+
+    /// Impurity between the grains and how much of it, as black-carbon=100ppb, snow-algae=20000cells/mL
+    /// or dust-sahara=5e-6vol (volume per volume of ice); several loads make as many cases; repeatable
+    #[arg(long, value_name = "NAME=LOAD,...")]
+    pub(crate) impurity: Vec<ImpurityLoads>,
+
+    /// How it is found; homogeneous: grains met at random, Monte Carlo; the others: theories
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
+    pub(crate) method: Vec<Method>,
+
+    /// Whether light is unpolarised at every interface, or keeps its polarisation within a grain
+    #[arg(long, value_enum, default_value = "redrawn")]
+    pub(crate) polarisation: PolarisationName,
+
+    /// Measurements of the absorption of ice: picard-2016 or warren-brandt-2008
+    #[arg(long, value_name = "NAME", default_value = "picard-2016",
+          value_parser = laboratory_values::ice_absorption)]
+    pub(crate) ice_k: IceAbsorption,
+
+    /// Standard error of R and T to reach by Monte Carlo
+    #[arg(long, value_name = "ERROR", default_value_t = 0.0005,
+          value_parser = laboratory_values::standard_error)]
+    pub(crate) stderr: f64,
+
+    /// Paths, for each refractive index, at which Monte Carlo ends before that
+    #[arg(long, value_name = "N", default_value_t = 10_000_000,
+          value_parser = clap::value_parser!(u64).range(1..=10_000_000_000))]
+    pub(crate) max_paths: u64,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+
+    /// What is printed
+    #[arg(long, value_enum, default_value = "csv")]
+    pub(crate) format: TableFormat,
+
+    /// Writes it to a file instead
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+
+    /// Tells nothing but results and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Ways to find an albedo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Method {
+    /// Monte Carlo through grains that are met at random, by the closed form of a sphere
+    Homogeneous,
+    /// Wiscombe and Warren 1980, delta-Eddington
+    WiscombeWarren,
+    /// Two streams, delta-Eddington
+    TwoStream,
+    /// Kokhanovsky and Zege 2004
+    KokhanovskyZege,
+    /// Bohren and Barkstrom 1974: deep snow under diffuse light
+    BohrenBarkstrom,
+}
+
+/// Polarisation within a grain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PolarisationName {
+    /// Mean reflectance at every interface, as the paper has it
+    Redrawn,
+    /// One polarisation from the entry to the exit
+    Tracked,
+}
+
+impl From<PolarisationName> for Polarisation {
+    fn from(name: PolarisationName) -> Self {
+        match name {
+            PolarisationName::Redrawn => Self::Redrawn,
+            PolarisationName::Tracked => Self::Tracked,
+        }
+    }
+}
+
+/// Forms of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TableFormat {
+    /// Comma-separated values under a line of names
+    Csv,
+    /// A JSON list of objects
+    Json,
+}

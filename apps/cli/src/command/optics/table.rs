@@ -1,0 +1,78 @@
+//! Tables of results, as text.
+
+use serde::Serialize;
+
+/// A number with six significant digits, without an exponent.
+pub(super) fn number(value: f64) -> String {
+    if value.is_infinite() {
+        return "inf".into();
+    }
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+/// A cell of a table: a number or a word.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub(super) enum Cell {
+    Number(f64),
+    Word(String),
+}
+
+impl Cell {
+    fn text(&self) -> String {
+        match self {
+            Self::Number(value) => number(*value),
+            Self::Word(word) => word.clone(),
+        }
+    }
+}
+
+/// Rows under names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Table {
+    pub(super) names: Vec<&'static str>,
+    pub(super) rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// Comma-separated values.
+    pub(super) fn csv(&self) -> String {
+        let mut text = self.names.join(",") + "\n";
+        for row in &self.rows {
+            text += &row.iter().map(Cell::text).collect::<Vec<_>>().join(",");
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Rows as objects, in the order of the columns; what JSON has no number for is a word.
+    pub(super) fn objects(&self) -> Vec<serde_json::Map<String, serde_json::Value>> {
+        let value = |cell: &Cell| match cell {
+            Cell::Number(value) if value.is_finite() => serde_json::json!(value),
+            cell => serde_json::Value::String(cell.text()),
+        };
+        let object = |row: &Vec<Cell>| {
+            self.names.iter().map(|name| (*name).to_owned()).zip(row.iter().map(value)).collect()
+        };
+        self.rows.iter().map(object).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_six_digits_and_tables_both_forms() {
+        assert_eq!(number(0.123_456_78), "0.123457");
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(1.0e-9), "0.000000001");
+        assert_eq!(number(f64::INFINITY), "inf");
+        let row = vec![Cell::Word("x".into()), Cell::Number(0.5), Cell::Number(f64::INFINITY)];
+        let table = Table { names: vec!["a", "b", "c"], rows: vec![row] };
+        assert_eq!(table.csv(), "a,b,c\nx,0.5,inf\n");
+        let objects = serde_json::to_string(&table.objects()).unwrap();
+        assert!(objects.contains("\"b\":0.5") && objects.contains("\"c\":\"inf\""), "{objects}");
+    }
+}

@@ -1,0 +1,115 @@
+//! The snow laboratory on the command line.
+
+use crate::Workplace;
+
+const COLUMNS: &str = "method,wavelength_nm,radius_um,sza_deg,depth_m,R,R_stderr,T,T_stderr,A";
+
+/// Rows of a table of comma-separated values, without the line of names.
+fn rows(csv: &str) -> Vec<Vec<&str>> {
+    csv.lines().skip(1).map(|line| line.split(',').collect()).collect()
+}
+
+#[test]
+fn albedos_come_for_every_combination_and_are_the_same_on_any_machine() {
+    let place = Workplace::new();
+    let arguments = [
+        "optics",
+        "albedo",
+        "--radius",
+        "150 um,1mm",
+        "--density",
+        "250",
+        "--depth",
+        "0.03,inf",
+        "--wavelengths",
+        "420,1030",
+        "--diffuse",
+        "--sza",
+        "45",
+        "--impurity",
+        "black-carbon=0ppb,100ppb",
+        "--method",
+        "homogeneous,two-stream",
+        "--stderr",
+        "0.02",
+    ];
+    let with = |more: &[&str]| place.run(&[&arguments[..], more].concat());
+    let one = with(&["--threads", "1", "--simd", "sse2"]);
+    assert_eq!(one.code, Some(0), "{}", one.stderr);
+    assert!(one.stdout.starts_with(COLUMNS));
+    let table = rows(&one.stdout);
+    assert_eq!(table.len(), 2 * 2 * 2 * 2 * 2 * 2);
+    for row in &table {
+        let number = |column: usize| row[column].parse::<f64>().unwrap();
+        assert!((0.0..=1.0).contains(&number(5)) && number(7) >= 0.0, "{row:?}");
+        assert!((number(5) + number(7) + number(9) - 1.0).abs() < 1e-5, "{row:?}");
+        assert_eq!(row[0] == "homogeneous", number(6) > 0.0, "{row:?}");
+        assert!(
+            ["diffuse", "45"].contains(&row[3]) && ["inf", "0.03"].contains(&row[4]),
+            "{row:?}"
+        );
+    }
+    assert_eq!(with(&["--threads", "3", "-q"]).stdout, one.stdout);
+    let json = with(&["--format", "json", "-o", "albedo.json"]);
+    assert_eq!((json.code, json.stdout.as_str()), (Some(0), ""), "{}", json.stderr);
+    let values: Vec<serde_json::Value> =
+        serde_json::from_slice(&place.bytes("albedo.json")).unwrap();
+    assert_eq!(values.len(), table.len());
+    assert_eq!(values[0]["method"], "homogeneous");
+    assert!(values[0]["R"].is_number() && values[0]["sza_deg"] == "diffuse");
+}
+
+#[test]
+fn layers_of_a_file_are_one_stack() {
+    let place = Workplace::new();
+    place.file(
+        "pack.toml",
+        "[[layer]]\nbottom = \"2 cm\"\nradius = \"60 um\"\ndensity = 120\n\
+         [[layer]]\nbottom = \"inf\"\nssa = 12\ndensity = 320\n\
+         impurities = { dust-sahara = \"20 ppm\" }\n",
+    );
+    let run = |file: &str| {
+        place.run(&[
+            "optics",
+            "albedo",
+            "--layers",
+            file,
+            "--wavelengths",
+            "500",
+            "--stderr",
+            "0.01",
+            "-q",
+        ])
+    };
+    let ended = run("pack.toml");
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = rows(&ended.stdout);
+    assert_eq!((table.len(), table[0][2], table[0][4]), (1, "layers", "inf"));
+    place.file("bad.toml", "[[layer]]\nbottom = 1\nradius = 1e-4\ndensity = 950\n");
+    let ended = run("bad.toml");
+    assert_eq!(ended.code, Some(65), "{}", ended.stderr);
+    assert!(ended.stderr.contains("bad.toml") && ended.stderr.contains("layer.0.density"));
+}
+
+#[test]
+fn what_snow_cannot_be_is_refused() {
+    let place = Workplace::new();
+    for (option, value, told) in [
+        ("--radius", "1um", "out of range"),
+        ("--ssa", "0", "m^2/kg"),
+        ("--density", "918", "solid ice"),
+        ("--depth", "0", "above 0"),
+        ("--wavelengths", "299", "300 to 2500"),
+        ("--sza", "90", "vertical"),
+        ("--impurity", "black-carbon=-1ppb", "negative"),
+        ("--impurity", "coal=1ppb", "no impurity is called 'coal'"),
+        ("--method", "guess", "homogeneous"),
+        ("--ice-k", "mine", "picard-2016"),
+    ] {
+        let grains: &[&str] =
+            if ["--radius", "--ssa"].contains(&option) { &[] } else { &["--radius", "1mm"] };
+        let ended = place.run(&[&["optics", "albedo", option, value], grains].concat());
+        assert_eq!(ended.code, Some(2), "{option} {value}");
+        assert!(ended.stderr.contains(told), "{option} {value}: {}", ended.stderr);
+    }
+}

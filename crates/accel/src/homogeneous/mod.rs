@@ -1,0 +1,104 @@
+//! Light in plane layers of grains that are met at random: what radiative transfer assumes of snow,
+//! without its equation.
+//!
+//! Between grains a path is free for an exponential length, at a grain it is turned by the closed form
+//! of a sphere (`snowgrain_optics::sphere`), from the point where it met it: grains are points here.
+//! Only the depth and the cosine of the direction matter, so that is all that a path has. It carries
+//! its length in the ice of each layer instead of a colour: every absorption follows afterwards.
+//!
+//! Sixteen paths at once; a path's numbers depend on its key alone.
+
+mod arithmetic;
+mod paths;
+
+use crate::SimdLevel;
+use fearless_simd::dispatch;
+use std::ops::Range;
+
+/// Most layers.
+pub const MOST_LAYERS: usize = 32;
+
+/// How a path's first direction is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Illumination {
+    /// The same radiance from all directions above.
+    Diffuse,
+    /// Parallel light; the cosine of the angle from the vertical, in (0, 1].
+    Parallel(f32),
+}
+
+/// Whether the polarisation is drawn anew at each interface of a grain, or is that of the grain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Polarisation {
+    /// The mean of both reflectances counts at every interface: the paper's way.
+    #[default]
+    Redrawn,
+    /// A path is of one polarisation from the entry to a grain to its exit, and unpolarised again at
+    /// the next grain: exact for one grain. 1 - g is 1.5 % less.
+    Tracked,
+}
+
+/// The layers and the light that falls on them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HomogeneousLayers {
+    /// Refractive index of the ice, at least 1.
+    pub eta: f64,
+    /// Polarisation within a grain.
+    pub polarisation: Polarisation,
+    /// Optical depth of the bottom of each layer, increasing; the last may be infinite.
+    pub bottoms: Vec<f32>,
+    /// Direction of the light.
+    pub illumination: Illumination,
+    /// Seed.
+    pub seed: u64,
+    /// Of each layer, the least absorption per grain radius of ice that will be asked for. Once a path
+    /// has less than 1/e of its light at the best, half of the paths are given up each time
+    /// that it halves, and the others count double.
+    pub least_absorption: Vec<f32>,
+}
+
+/// Where a path ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HomogeneousEnd {
+    /// Out of the top.
+    Reflected,
+    /// Out of the bottom.
+    Transmitted,
+    /// Given up by roulette.
+    GivenUp,
+}
+
+/// A path that has ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HomogeneousPath<'a> {
+    /// Where.
+    pub end: HomogeneousEnd,
+    /// What it counts; the mean over all paths, those given up as 0, is 1.
+    pub weight: f32,
+    /// Cosine of its direction with the vertical, downwards positive.
+    pub cos_theta: f32,
+    /// Length in the ice of each layer, in radii of its grains.
+    pub ice_lengths: &'a [f64],
+    /// Grains that it met.
+    pub grain_visits: u32,
+}
+
+/// Follows the paths numbered `paths` on this thread and shows each end to `ended`, in an order that
+/// depends on the numbers only.
+///
+/// # Panics
+/// If there are no layers, too many, or not as many absorptions; if the machine lacks `level`.
+pub fn trace_homogeneous(
+    layers: &HomogeneousLayers,
+    level: SimdLevel,
+    paths: Range<u64>,
+    ended: &mut impl FnMut(HomogeneousPath<'_>),
+) {
+    let count = layers.bottoms.len();
+    assert!((1..=MOST_LAYERS).contains(&count) && count == layers.least_absorption.len());
+    let level = level.token().expect("the SIMD level was checked when it was chosen");
+    dispatch!(level, simd => paths::trace(simd, layers, paths, ended));
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,14 @@
+//! The snow laboratory: what layers of snow do to light at each wavelength, exactly or by theory.
+//!
+//! Layers are flat and endless. A path carries its length in ice instead of a colour, so that one set
+//! of paths serves all wavelengths and loads of impurities (white Monte Carlo); the refractive index,
+//! which bends paths, is taken at a few nodes between which results are interpolated.
+
+mod albedo;
+mod lengths;
+mod nodes;
+mod snow;
+
+pub use albedo::{Albedo, AlbedoSettings, Theory, homogeneous_albedo, theoretical_albedo};
+pub use snow::{Incidence, SnowLayer, SnowStack};
+pub use snowgrain_accel::homogeneous::{MOST_LAYERS, Polarisation};

@@ -1,0 +1,247 @@
+//! Spectral albedo against the project's reference tables (`data/`; the head of each names the
+//! independent program that made it, mostly discrete ordinates).
+//!
+//! These test the program, not the physics: both sides know snow as grains that are met at random.
+//! Every comparison allows the tables' tolerance or four standard errors; the seeds are fixed.
+//! `SNOWGRAIN_FULL=1` compares whole tables (`tests/README.md`).
+
+use snowgrain_optics::{IceAbsorption, Impurity, ImpurityKind, Load};
+use snowgrain_render::SimdLevel;
+use snowgrain_render::laboratory::{
+    Albedo, AlbedoSettings, Incidence, Polarisation, SnowLayer, SnowStack, Theory,
+    homogeneous_albedo, theoretical_albedo,
+};
+
+const DENSITY: f64 = 300.0;
+const TOLERANCE: f64 = 0.002;
+
+fn full() -> bool {
+    std::env::var_os("SNOWGRAIN_FULL").is_some_and(|value| value == "1")
+}
+
+/// Rows of a table as the fields under the names asked for.
+fn rows<'t>(table: &'t str, names: &[&str]) -> Vec<Vec<&'t str>> {
+    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
+    let heads: Vec<&str> = lines.next().expect("a table has heads").split(',').collect();
+    let at = |name: &&str| heads.iter().position(|head| head == name).expect("the column exists");
+    let columns: Vec<usize> = names.iter().map(at).collect();
+    let fields = |line: &'t str| {
+        let fields: Vec<&str> = line.split(',').collect();
+        columns.iter().map(|&column| fields[column]).collect()
+    };
+    lines.map(fields).collect()
+}
+
+fn number(text: &str) -> f64 {
+    text.parse().expect("the field is a number")
+}
+
+fn incidence(zenith: &str) -> Incidence {
+    match zenith {
+        "diffuse" => Incidence::Diffuse,
+        degrees => Incidence::Sun { zenith_degrees: number(degrees) },
+    }
+}
+
+fn layer(radius_um: f64, depth: f64) -> SnowStack {
+    let layer =
+        SnowLayer { radius: radius_um * 1e-6, density: DENSITY, depth, impurities: Vec::new() };
+    SnowStack { layers: vec![layer], ground_albedo: 0.0, ice: IceAbsorption::Picard2016 }
+}
+
+fn settings(wavelengths_nm: Vec<f64>, incidence: Incidence) -> AlbedoSettings {
+    AlbedoSettings {
+        wavelengths_nm,
+        incidence,
+        polarisation: Polarisation::Redrawn,
+        standard_error: if full() { 0.0004 } else { 0.001 },
+        most_paths: 4_000_000,
+        seed: 1,
+        level: SimdLevel::detect(),
+    }
+}
+
+fn find(stack: &SnowStack, settings: &AlbedoSettings) -> Vec<Albedo> {
+    homogeneous_albedo(stack, settings, &mut |_, _| ())
+}
+
+/// Compares a column of `albedo_semi_infinite.csv` for some radii and angles.
+fn assert_deep_snow(column: &str, polarisation: Polarisation, radii: &[&str], angles: &[&str]) {
+    let table = include_str!("../data/albedo_semi_infinite.csv");
+    let rows = rows(table, &["r_um", "sza_deg", "wavelength_nm", column]);
+    let (mut compared, mut worst) = (0, 0.0f64);
+    for radius in radii {
+        for angle in angles {
+            let case: Vec<_> = rows.iter().filter(|row| row[..2] == [*radius, *angle]).collect();
+            let wavelengths: Vec<f64> = case.iter().map(|row| number(row[2])).collect();
+            let settings =
+                AlbedoSettings { polarisation, ..settings(wavelengths, incidence(angle)) };
+            let stack = layer(number(radius), f64::INFINITY);
+            for (row, found) in case.iter().zip(find(&stack, &settings)) {
+                let expected: f64 = number(row[3]);
+                let found = found.reflectance;
+                let error = (found.mean - expected).abs();
+                worst = worst.max(error);
+                compared += 1;
+                assert!(error <= TOLERANCE.max(4.0 * found.standard_error), "{row:?}: {found:?}");
+            }
+        }
+    }
+    assert!(compared >= 18);
+    println!("{column}: {compared} albedos of deep snow, at most {worst:.5} off");
+}
+
+#[test]
+fn deep_snow_reflects_what_discrete_ordinates_say() {
+    let radii = ["50", "100", "200", "500", "1000"];
+    let angles = ["diffuse", "0", "30", "45", "60", "75", "85"];
+    if full() {
+        assert_deep_snow("disort_go_unpol", Polarisation::Redrawn, &radii, &angles);
+        assert_deep_snow("disort_go_pol", Polarisation::Tracked, &radii, &angles);
+    } else {
+        assert_deep_snow(
+            "disort_go_unpol",
+            Polarisation::Redrawn,
+            &["50", "1000"],
+            &["diffuse", "60"],
+        );
+        assert_deep_snow("disort_go_pol", Polarisation::Tracked, &["200"], &["diffuse"]);
+    }
+}
+
+#[test]
+fn layers_over_black_reflect_and_transmit_what_discrete_ordinates_say() {
+    let table = include_str!("../data/albedo_vs_depth_black_ground.csv");
+    let rows = rows(
+        table,
+        &["r_um", "depth_mm", "sza_deg", "wavelength_nm", "R_disort", "T_disort", "tau_go"],
+    );
+    let mut cases: Vec<[&str; 3]> = rows.iter().map(|row| [row[0], row[1], row[2]]).collect();
+    cases.dedup();
+    cases.sort_unstable();
+    cases.dedup();
+    let step = if full() { 1 } else { 13 };
+    let (mut compared, mut worst) = (0, 0.0f64);
+    for [radius, depth, angle] in cases.into_iter().step_by(step) {
+        let case: Vec<_> = rows.iter().filter(|row| row[..3] == [radius, depth, angle]).collect();
+        let wavelengths: Vec<f64> = case.iter().map(|row| number(row[3])).collect();
+        let stack = layer(number(radius), 1e-3 * number(depth));
+        let tau: f64 = number(case[0][6]);
+        assert!((stack.layers[0].optical_depth() / tau - 1.0).abs() < 1e-4);
+        let found = find(&stack, &settings(wavelengths, incidence(angle)));
+        for (row, found) in case.iter().zip(found) {
+            for (column, estimate) in [(4, found.reflectance), (5, found.transmittance)] {
+                let expected: f64 = number(row[column]);
+                let error = (estimate.mean - expected).abs();
+                worst = worst.max(error);
+                compared += 1;
+                let allowed = TOLERANCE.max(4.0 * estimate.standard_error);
+                assert!(error <= allowed, "{row:?}: {estimate:?}");
+            }
+        }
+    }
+    assert!(compared >= 60);
+    println!("{compared} fluxes of layers, at most {worst:.5} off");
+}
+
+#[test]
+fn soot_darkens_as_much_as_its_absorption_says() {
+    let table = include_str!("../data/albedo_soot.csv");
+    let names = ["r_um", "soot_ng_per_g", "wavelength_nm", "R_diffuse_disort", "R_sza60_disort"];
+    let rows = rows(table, &names);
+    let cases: &[[&str; 2]] = if full() {
+        &[["100", "10"], ["100", "100"], ["500", "10"], ["500", "1000"], ["1000", "10000"]]
+    } else {
+        &[["500", "100"]]
+    };
+    for [radius, soot] in cases {
+        let case: Vec<_> = rows.iter().filter(|row| row[..2] == [*radius, *soot]).collect();
+        let wavelengths: Vec<f64> = case.iter().map(|row| number(row[2])).collect();
+        assert!(!wavelengths.is_empty());
+        let mut stack = layer(number(radius), f64::INFINITY);
+        stack.layers[0].impurities = vec![Impurity {
+            kind: ImpurityKind::BlackCarbonBond2006,
+            load: Load::MassFraction(1e-9 * number(soot)),
+        }];
+        for (column, angle) in [(3, "diffuse"), (4, "60")] {
+            let found = find(&stack, &settings(wavelengths.clone(), incidence(angle)));
+            for (row, found) in case.iter().zip(found) {
+                let expected: f64 = number(row[column]);
+                let error = (found.reflectance.mean - expected).abs();
+                assert!(error <= 0.005, "{row:?}: {found:?}");
+            }
+        }
+    }
+}
+
+/// Layers of the same snow are one layer; a clean layer over a sooty one lies between both; a ground
+/// adds what it reflects.
+#[test]
+fn layers_and_grounds_add_up() {
+    let whole = layer(200.0, 0.02);
+    let mut halves = whole.clone();
+    halves.layers[0].depth = 0.005;
+    halves.layers.push(SnowLayer { depth: 0.015, ..halves.layers[0].clone() });
+    let wavelengths = vec![450.0, 800.0, 1030.0];
+    for incidence in [Incidence::Diffuse, Incidence::Sun { zenith_degrees: 50.0 }] {
+        let settings = settings(wavelengths.clone(), incidence);
+        let (one, two) = (find(&whole, &settings), find(&halves, &settings));
+        for (one, two) in one.iter().zip(&two) {
+            assert!((one.reflectance.mean - two.reflectance.mean).abs() < 1e-4, "{one:?} {two:?}");
+            assert!((one.transmittance.mean - two.transmittance.mean).abs() < 1e-4);
+        }
+        for stack in [&whole, &halves] {
+            let grey = SnowStack { ground_albedo: 0.6, ..stack.clone() };
+            let white = SnowStack { ground_albedo: 1.0, ..stack.clone() };
+            for ((black, grey), white) in find(stack, &settings)
+                .iter()
+                .zip(find(&grey, &settings))
+                .zip(find(&white, &settings))
+            {
+                assert!(black.reflectance.mean < grey.reflectance.mean);
+                assert!(grey.reflectance.mean < white.reflectance.mean);
+                let all = grey.reflectance.mean + 0.4 * grey.transmittance.mean + grey.absorptance;
+                assert!((all - 1.0).abs() < 1e-9);
+                assert!((white.reflectance.mean + white.absorptance - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+    let mut sooty = layer(200.0, f64::INFINITY);
+    sooty.layers[0].impurities =
+        vec![Impurity { kind: ImpurityKind::BlackCarbon, load: Load::MassFraction(1e-6) }];
+    let mut covered = sooty.clone();
+    covered.layers.insert(0, SnowLayer { depth: 0.01, ..layer(200.0, 0.01).layers[0].clone() });
+    let settings = settings(vec![500.0], Incidence::Diffuse);
+    let albedo = |stack: &SnowStack| find(stack, &settings)[0].reflectance.mean;
+    let (clean, covered, sooty) =
+        (albedo(&layer(200.0, f64::INFINITY)), albedo(&covered), albedo(&sooty));
+    assert!(sooty + 0.02 < covered && covered + 0.02 < clean, "{sooty} {covered} {clean}");
+}
+
+/// How far the theories are from the exact solution: known, and not more.
+#[test]
+fn theories_come_as_near_as_they_are_known_to() {
+    let stack = layer(200.0, f64::INFINITY);
+    let wavelengths = vec![500.0, 700.0, 900.0];
+    let exact = find(&stack, &settings(wavelengths.clone(), Incidence::Diffuse));
+    for (theory, near) in [
+        (Theory::WiscombeWarren, 0.02),
+        (Theory::TwoStream, 0.02),
+        (Theory::KokhanovskyZege, 0.01),
+        // Its grains only refract: g is .874, and 1 - y stands for exp(-y).
+        (Theory::BohrenBarkstrom, 0.1),
+    ] {
+        for exact in &exact {
+            let wavelength = exact.wavelength_nm;
+            let (incidence, polarisation) = (Incidence::Diffuse, Polarisation::Redrawn);
+            let theory = theoretical_albedo(theory, &stack, incidence, polarisation, wavelength)
+                .expect("it is one layer");
+            let off = theory.reflectance.mean - exact.reflectance.mean;
+            assert!(off.abs() < near, "{theory:?} {exact:?}");
+        }
+    }
+    let sun = Incidence::Sun { zenith_degrees: 30.0 };
+    let none =
+        theoretical_albedo(Theory::BohrenBarkstrom, &stack, sun, Polarisation::Redrawn, 500.0);
+    assert!(none.is_none());
+}
