@@ -5,11 +5,12 @@
 //! Every comparison allows the tables' tolerance or four standard errors; the seeds are fixed.
 //! `SNOWGRAIN_FULL=1` compares whole tables (`tests/README.md`).
 
-use snowgrain_optics::{IceAbsorption, Impurity, ImpurityKind, Load};
+use snowgrain_optics::colour::chromaticity;
+use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, ImpurityKind, Load};
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
     Albedo, AlbedoSettings, Incidence, Polarisation, SnowLayer, SnowStack, Theory,
-    homogeneous_albedo, theoretical_albedo,
+    colour_wavelengths_nm, colours, homogeneous_albedo, theoretical_albedo,
 };
 
 const DENSITY: f64 = 300.0;
@@ -54,6 +55,7 @@ fn settings(wavelengths_nm: Vec<f64>, incidence: Incidence) -> AlbedoSettings {
         wavelengths_nm,
         incidence,
         polarisation: Polarisation::Redrawn,
+        relative_error_of_transmittance: f64::INFINITY,
         standard_error: if full() { 0.0004 } else { 0.001 },
         most_paths: 4_000_000,
         seed: 1,
@@ -172,6 +174,36 @@ fn soot_darkens_as_much_as_its_absorption_says() {
             }
         }
     }
+}
+
+/// Chromaticities of daylight on layers of snow and through them: within .01, as the project asks.
+#[test]
+fn light_through_snow_turns_as_blue_as_discrete_ordinates_say() {
+    let table = include_str!("../data/colour_reflect_transmit.csv");
+    let rows = rows(table, &["k_set", "r_um", "depth_mm", "quantity", "x", "y"]);
+    let (mut compared, mut worst) = (0, 0.0f64);
+    for row in &rows {
+        let few = row[1] == "500" && ["100", "200"].contains(&row[2]);
+        if !(few || full() && row[1] != "1000") {
+            continue;
+        }
+        let mut stack = layer(number(row[1]), 1e-3 * number(row[2]));
+        if row[0] == "k_wb2008" {
+            stack.ice = IceAbsorption::WarrenBrandt2008;
+        }
+        let settings = AlbedoSettings {
+            relative_error_of_transmittance: 0.02,
+            ..settings(colour_wavelengths_nm(), Incidence::Diffuse)
+        };
+        let colours = colours(&find(&stack, &settings), Illuminant::D65).expect("they are sorted");
+        let [x, y] = chromaticity(colours[usize::from(row[3] == "T")]);
+        let off = (x - number(row[4])).abs().max((y - number(row[5])).abs());
+        worst = worst.max(off);
+        compared += 1;
+        assert!(off < 0.01, "{row:?}: {x} {y}");
+    }
+    assert!(compared >= 8);
+    println!("{compared} colours, at most {worst:.5} off in x or y");
 }
 
 /// Layers of the same snow are one layer; a clean layer over a sooty one lies between both; a ground

@@ -17,7 +17,10 @@ use std::process::ExitCode;
 pub(crate) use compare::CompareArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
-pub(crate) use optics::{AlbedoArguments, Method, OpticsArguments, OpticsKind, TableFormat};
+pub(crate) use optics::{
+    AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, SearchArguments,
+    SnowArguments, TableFormat,
+};
 pub(crate) use render::RenderArguments;
 pub(crate) use values::{PictureFile, PictureFormat, Size};
 

@@ -12,6 +12,7 @@
 //! assert!((sphere::asymmetry(ice) - 0.78166).abs() < 1e-5);
 //! ```
 
+pub mod colour;
 pub mod dielectric;
 pub mod fresnel;
 pub mod ice;
@@ -23,6 +24,7 @@ pub mod sphere;
 mod table;
 pub mod theory;
 
+pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;
 pub use ice::IceAbsorption;
 pub use ice_path::IcePath;

@@ -3,7 +3,8 @@
 use super::values::length;
 use snowgrain_formats::laboratory::{self, GRAIN_RADII, parse_load};
 use snowgrain_optics::ice::{WAVELENGTHS_NM, radius_of_specific_surface_area};
-use snowgrain_optics::{IceAbsorption, Impurity};
+use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, Primaries};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Most wavelengths of a range.
@@ -116,12 +117,34 @@ pub(super) fn standard_error(text: &str) -> Result<f64, String> {
     error.ok_or_else(|| "write a number from 1e-6 to 0.5".into())
 }
 
+/// The one of `all` with this name.
+fn named<T: Copy>(all: &[T], name: fn(T) -> &'static str, wanted: &str) -> Result<T, String> {
+    all.iter().copied().find(|&one| name(one) == wanted).ok_or_else(|| {
+        let names: Vec<_> = all.iter().map(|&one| name(one)).collect();
+        format!("write {}", names.join(" or "))
+    })
+}
+
 /// A source of the absorption of ice.
 pub(super) fn ice_absorption(name: &str) -> Result<IceAbsorption, String> {
-    let source = IceAbsorption::ALL.into_iter().find(|source| source.name() == name);
-    source.ok_or_else(|| {
-        format!("write {}", IceAbsorption::ALL.map(IceAbsorption::name).join(" or "))
-    })
+    named(&IceAbsorption::ALL, IceAbsorption::name, name)
+}
+
+/// A standard light.
+pub(super) fn illuminant(name: &str) -> Result<Illuminant, String> {
+    named(&Illuminant::ALL, Illuminant::name, name)
+}
+
+/// A set of primaries.
+pub(super) fn primaries(name: &str) -> Result<Primaries, String> {
+    named(&Primaries::ALL, Primaries::name, name)
+}
+
+/// An SVG file to be written.
+pub(super) fn svg_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if svg { Ok(path) } else { Err("the name must end in .svg".into()) }
 }
 
 #[cfg(test)]

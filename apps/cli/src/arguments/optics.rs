@@ -4,7 +4,7 @@ use super::laboratory_values::{Depth, ImpurityLoads, Wavelengths};
 use super::{MachineArguments, laboratory_values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_accel::homogeneous::Polarisation;
-use snowgrain_optics::IceAbsorption;
+use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
 use std::path::PathBuf;
 
 /// The snow laboratory: what flat layers of snow do to light at each wavelength.
@@ -19,6 +19,7 @@ pub(crate) struct OpticsArguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
+    Colour(Box<ColourArguments>),
 }
 
 /// Spectral reflectance, transmittance and absorptance of flat layers of snow.
@@ -43,6 +44,77 @@ pub(crate) enum OpticsKind {
     density = 250\n  \
     impurities = { black-carbon = \"100 ppb\", snow-algae = \"20000 cells/mL\" }")]
 pub(crate) struct AlbedoArguments {
+    #[command(flatten)]
+    pub(crate) snow: SnowArguments,
+
+    /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10")]
+    pub(crate) wavelengths: Wavelengths,
+
+    /// Light from all of the sky alike; so it is where no --sza is given
+    #[arg(long)]
+    pub(crate) diffuse: bool,
+
+    /// Parallel light at these zenith angles, degrees
+    #[arg(long, value_name = "DEGREES,...", value_delimiter = ',',
+          value_parser = laboratory_values::zenith)]
+    pub(crate) sza: Vec<f64>,
+
+    /// How it is found; homogeneous: grains met at random, Monte Carlo; the others: theories
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
+    pub(crate) method: Vec<Method>,
+
+    /// Standard error of R and T to reach by Monte Carlo
+    #[arg(long, value_name = "ERROR", default_value_t = 0.0005,
+          value_parser = laboratory_values::standard_error)]
+    pub(crate) stderr: f64,
+
+    #[command(flatten)]
+    pub(crate) search: SearchArguments,
+}
+
+/// Colours of light on flat layers of snow and of light through them.
+///
+/// Two lines for each combination of radius, density, depth and impurities: R, seen from above, and T,
+/// seen from below, under light from all of the sky alike. X, Y, Z are CIE 1931 tristimulus values
+/// with Y = 1 for all of the light; x and y are empty where no light came through; red, green and blue
+/// are linear, below 0 out of the gamut.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("grains").required(true).args(["radius", "ssa", "layers"]))]
+#[command(after_help = "Examples:\n  \
+    snowgrain optics colour --radius 500um --depth 10cm,50cm,1m\n  \
+    snowgrain optics colour --radius 500um --depth 2cm,10cm,50cm \\\n    \
+        --impurity black-carbon=0ppb,100ppb,1ppm --swatches snow.svg")]
+pub(crate) struct ColourArguments {
+    #[command(flatten)]
+    pub(crate) snow: SnowArguments,
+
+    /// Light: d65, d55, a or equal-energy
+    #[arg(long, value_name = "NAME", default_value = "d65",
+          value_parser = laboratory_values::illuminant)]
+    pub(crate) illuminant: Illuminant,
+
+    /// Primaries of red, green and blue: srgb or acescg
+    #[arg(long, value_name = "NAME", default_value = "srgb",
+          value_parser = laboratory_values::primaries)]
+    pub(crate) primaries: Primaries,
+
+    /// Writes a picture of all colours too, as SVG: those of T at their full brightness
+    #[arg(long, value_name = "FILE.svg", value_parser = laboratory_values::svg_file)]
+    pub(crate) swatches: Option<PathBuf>,
+
+    /// Standard error of R and T at each wavelength to reach; of T, 2 % of it as well
+    #[arg(long, value_name = "ERROR", default_value_t = 0.001,
+          value_parser = laboratory_values::standard_error)]
+    pub(crate) stderr: f64,
+
+    #[command(flatten)]
+    pub(crate) search: SearchArguments,
+}
+
+/// Layers of snow.
+#[derive(Debug, Args)]
+pub(crate) struct SnowArguments {
     /// Radius of the grains, as 150um; several, separated by commas, make as many cases
     #[arg(long, value_name = "LENGTH,...", value_delimiter = ',',
           value_parser = laboratory_values::radius)]
@@ -71,41 +143,23 @@ pub(crate) struct AlbedoArguments {
           value_parser = laboratory_values::albedo)]
     pub(crate) ground: f64,
 
-    /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
-    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10")]
-    pub(crate) wavelengths: Wavelengths,
-
-    /// Light from all of the sky alike; so it is where no --sza is given
-    #[arg(long)]
-    pub(crate) diffuse: bool,
-
-    /// Parallel light at these zenith angles, degrees
-    #[arg(long, value_name = "DEGREES,...", value_delimiter = ',',
-          value_parser = laboratory_values::zenith)]
-    pub(crate) sza: Vec<f64>,
-
     /// Impurity between the grains and how much of it, as black-carbon=100ppb, snow-algae=20000cells/mL
     /// or dust-sahara=5e-6vol (volume per volume of ice); several loads make as many cases; repeatable
     #[arg(long, value_name = "NAME=LOAD,...")]
     pub(crate) impurity: Vec<ImpurityLoads>,
 
-    /// How it is found; homogeneous: grains met at random, Monte Carlo; the others: theories
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
-    pub(crate) method: Vec<Method>,
-
-    /// Whether light is unpolarised at every interface, or keeps its polarisation within a grain
-    #[arg(long, value_enum, default_value = "redrawn")]
-    pub(crate) polarisation: PolarisationName,
-
     /// Measurements of the absorption of ice: picard-2016 or warren-brandt-2008
     #[arg(long, value_name = "NAME", default_value = "picard-2016",
           value_parser = laboratory_values::ice_absorption)]
     pub(crate) ice_k: IceAbsorption,
+}
 
-    /// Standard error of R and T to reach by Monte Carlo
-    #[arg(long, value_name = "ERROR", default_value_t = 0.0005,
-          value_parser = laboratory_values::standard_error)]
-    pub(crate) stderr: f64,
+/// How results are found and where they go.
+#[derive(Debug, Args)]
+pub(crate) struct SearchArguments {
+    /// Whether light is unpolarised at every interface, or keeps its polarisation within a grain
+    #[arg(long, value_enum, default_value = "redrawn")]
+    pub(crate) polarisation: PolarisationName,
 
     /// Paths, for each refractive index, at which Monte Carlo ends before that
     #[arg(long, value_name = "N", default_value_t = 10_000_000,

@@ -1,6 +1,9 @@
 //! `snowgrain optics`.
 
 mod albedo;
+mod colour;
+mod snow;
+mod swatches;
 mod table;
 
 use crate::arguments::{OpticsArguments, OpticsKind};
@@ -9,5 +12,6 @@ use crate::failure::Failure;
 pub(super) fn run(arguments: &OpticsArguments) -> Result<u8, Failure> {
     match &arguments.kind {
         OpticsKind::Albedo(arguments) => albedo::run(arguments),
+        OpticsKind::Colour(arguments) => colour::run(arguments),
     }
 }

@@ -92,6 +92,41 @@ fn layers_of_a_file_are_one_stack() {
 }
 
 #[test]
+fn colours_come_from_above_and_below_with_a_picture() {
+    let place = Workplace::new();
+    let ended = place.run(&[
+        "optics",
+        "colour",
+        "--radius",
+        "500um",
+        "--depth",
+        "3cm,inf",
+        "--impurity",
+        "dust-sahara=0ppb,100ppm",
+        "--stderr",
+        "0.02",
+        "--swatches",
+        "snow.svg",
+        "-q",
+    ]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = rows(&ended.stdout);
+    // Nothing is seen from below deep snow.
+    assert_eq!(table.iter().filter(|row| row[0] == "R").count(), 4);
+    assert_eq!(table.iter().filter(|row| row[0] == "T").count(), 2);
+    let number = |row: &[&str], column: usize| row[column].parse::<f64>().unwrap();
+    for row in &table {
+        assert!((0.2..0.5).contains(&number(row, 6)) && number(row, 4) <= 1.0, "{row:?}");
+    }
+    // Dust is red.
+    assert!(number(&table[2], 6) > number(&table[0], 6) + 0.005, "{table:?}");
+    let picture = String::from_utf8(place.bytes("snow.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.matches("<rect").count() == 9);
+    let ended = place.run(&["optics", "colour", "--radius", "1mm", "--swatches", "snow.png"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains(".svg"), "{}", ended.stderr);
+}
+
+#[test]
 fn what_snow_cannot_be_is_refused() {
     let place = Workplace::new();
     for (option, value, told) in [

@@ -32,12 +32,25 @@ pub struct AlbedoSettings {
     pub polarisation: Polarisation,
     /// Standard error to reach at every wavelength, of reflectance and of transmittance.
     pub standard_error: f64,
+    /// Standard error of the transmittance as a part of it, to reach as well; infinite: any will do.
+    pub relative_error_of_transmittance: f64,
     /// Paths for each refractive index at which the search for it ends.
     pub most_paths: u64,
     /// Seed.
     pub seed: u64,
     /// Instruction set of the kernels.
     pub level: SimdLevel,
+}
+
+impl AlbedoSettings {
+    /// The standard errors of reflectance and transmittance, in those to reach: the larger one.
+    fn errors_to_reach(&self, [up, down]: [Estimate; 2]) -> f64 {
+        let absolute = up.standard_error.max(down.standard_error) / self.standard_error;
+        let wanted = self.relative_error_of_transmittance * down.mean;
+        // Where nothing came through yet, nothing is known of its error.
+        let relative = if wanted > 0.0 { down.standard_error / wanted } else { 0.0 };
+        absolute.max(relative)
+    }
 }
 
 /// What becomes of the light on a stack of layers at one wavelength.
@@ -181,10 +194,9 @@ impl Runs {
             let worst = settings
                 .wavelengths_nm
                 .iter()
-                .flat_map(|&wavelength| runs.at(stack, wavelength))
-                .map(|estimate| estimate.standard_error)
+                .map(|&wavelength| settings.errors_to_reach(runs.at(stack, wavelength)))
                 .fold(0.0, f64::max);
-            let short = (worst / settings.standard_error) * (worst / settings.standard_error);
+            let short = worst * worst;
             progress(runs.paths, (1.0 / short).min(1.0));
             if short <= 1.0 || runs.paths >= settings.most_paths {
                 return runs;

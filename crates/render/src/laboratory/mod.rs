@@ -5,10 +5,12 @@
 //! which bends paths, is taken at a few nodes between which results are interpolated.
 
 mod albedo;
+mod colour;
 mod lengths;
 mod nodes;
 mod snow;
 
 pub use albedo::{Albedo, AlbedoSettings, Theory, homogeneous_albedo, theoretical_albedo};
+pub use colour::{colour_wavelengths_nm, colours};
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::{MOST_LAYERS, Polarisation};

@@ -1,19 +1,14 @@
 //! `snowgrain optics albedo`.
 
+use super::snow;
 use super::table::{Cell, Table};
-use crate::arguments::{AlbedoArguments, Method, TableFormat};
+use crate::arguments::{AlbedoArguments, Method};
 use crate::failure::Failure;
-use crate::output;
 use crate::progress::Progress;
 use crate::summary::grouped;
 use crate::threads::pool;
-use snowgrain_accel::SimdLevel;
-use snowgrain_formats::laboratory::read_layers;
-use snowgrain_optics::ice::radius_of_specific_surface_area;
-use snowgrain_optics::{Impurity, Load};
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, Incidence, SnowLayer, SnowStack, Theory, homogeneous_albedo,
-    theoretical_albedo,
+    Albedo, AlbedoSettings, Incidence, SnowStack, Theory, homogeneous_albedo, theoretical_albedo,
 };
 
 /// Most lines of a table.
@@ -36,9 +31,9 @@ const COLUMNS: [&str; 13] = [
 ];
 
 pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
-    let progress = Progress::new(arguments.quiet, false);
-    let pool = pool(&arguments.machine)?;
-    let stacks = stacks(arguments)?;
+    let progress = Progress::new(arguments.search.quiet, false);
+    let pool = pool(&arguments.search.machine)?;
+    let stacks = snow::stacks(&arguments.snow)?;
     let incidences = incidences(arguments);
     let wavelengths = arguments.wavelengths.0.len();
     let cases = stacks.len() * incidences.len() * arguments.method.len();
@@ -63,51 +58,8 @@ pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
         }
     }
     progress.finish();
-    let text = match arguments.format {
-        TableFormat::Csv => table.csv(),
-        TableFormat::Json => output::json(&table.objects())?,
-    };
-    match &arguments.output {
-        Some(path) => output::write_text(path, &text)?,
-        None => output::print(&text)?,
-    }
+    table.tell(&arguments.search)?;
     Ok(0)
-}
-
-/// Every combination of what was asked for, or the layers of the file.
-fn stacks(arguments: &AlbedoArguments) -> Result<Vec<SnowStack>, Failure> {
-    let stack = |layers: Vec<SnowLayer>| SnowStack {
-        layers,
-        ground_albedo: arguments.ground,
-        ice: arguments.ice_k,
-    };
-    if let Some(path) = &arguments.layers {
-        return Ok(vec![stack(read_layers(path)?)]);
-    }
-    let from_area = arguments.ssa.iter().map(|&area| radius_of_specific_surface_area(area));
-    let radii: Vec<f64> = arguments.radius.iter().copied().chain(from_area).collect();
-    let mut mixtures: Vec<Vec<Impurity>> = vec![Vec::new()];
-    for loads in &arguments.impurity {
-        mixtures = mixtures
-            .iter()
-            .flat_map(|mixture| {
-                loads.0.iter().map(|&impurity| [mixture.as_slice(), &[impurity]].concat())
-            })
-            .collect();
-    }
-    let mut stacks = Vec::new();
-    for &radius in &radii {
-        for &density in &arguments.density {
-            for depth in &arguments.depth {
-                for impurities in &mixtures {
-                    let impurities = impurities.clone();
-                    let layer = SnowLayer { radius, density, depth: depth.0, impurities };
-                    stacks.push(stack(vec![layer]));
-                }
-            }
-        }
-    }
-    Ok(stacks)
 }
 
 fn incidences(arguments: &AlbedoArguments) -> Vec<Incidence> {
@@ -128,11 +80,8 @@ fn find(
             let settings = AlbedoSettings {
                 wavelengths_nm: arguments.wavelengths.0.clone(),
                 incidence,
-                polarisation: arguments.polarisation.into(),
                 standard_error: arguments.stderr,
-                most_paths: arguments.max_paths,
-                seed: arguments.seed,
-                level: arguments.machine.simd.unwrap_or_else(SimdLevel::detect),
+                ..snow::search(&arguments.search)
             };
             let mut tell = |paths: u64, done: f64| {
                 progress.detail(&format!("{} paths, {:.0} %", grouped(paths), 100.0 * done));
@@ -144,7 +93,7 @@ fn find(
         Method::KokhanovskyZege => Theory::KokhanovskyZege,
         Method::BohrenBarkstrom => Theory::BohrenBarkstrom,
     };
-    let polarisation = arguments.polarisation.into();
+    let polarisation = arguments.search.polarisation.into();
     let each = arguments.wavelengths.0.iter().map(|&wavelength_nm| {
         theoretical_albedo(theory, stack, incidence, polarisation, wavelength_nm)
     });
@@ -168,43 +117,22 @@ fn name(method: Method) -> &'static str {
 }
 
 fn row(stack: &SnowStack, incidence: Incidence, method: Method, albedo: &Albedo) -> Vec<Cell> {
-    // What differs between layers is not one number.
-    let one = |value: fn(&SnowLayer) -> f64| match stack.layers.as_slice() {
-        [layer] => Cell::Number(value(layer)),
-        _ => Cell::Word("layers".into()),
-    };
-    let impurities = match stack.layers.as_slice() {
-        [layer] => layer.impurities.iter().map(impurity).collect::<Vec<_>>().join(";"),
-        _ => "layers".into(),
-    };
     vec![
         Cell::Word(name(method).into()),
         Cell::Number(albedo.wavelength_nm),
-        one(|layer| layer.radius * 1e6),
+        snow::radius_um(stack),
         match incidence {
             Incidence::Diffuse => Cell::Word("diffuse".into()),
             Incidence::Sun { zenith_degrees } => Cell::Number(zenith_degrees),
         },
-        Cell::Number(stack.layers.iter().map(|layer| layer.depth).sum()),
+        snow::depth_m(stack),
         Cell::Number(albedo.reflectance.mean),
         Cell::Number(albedo.reflectance.standard_error),
         Cell::Number(albedo.transmittance.mean),
         Cell::Number(albedo.transmittance.standard_error),
         Cell::Number(albedo.absorptance),
-        one(|layer| layer.density),
+        snow::density(stack),
         Cell::Number(stack.ground_albedo),
-        Cell::Word(impurities),
+        snow::impurities(stack),
     ]
-}
-
-fn impurity(impurity: &Impurity) -> String {
-    let name = impurity.kind.name();
-    match impurity.load {
-        Load::MassFraction(fraction) => {
-            format!("{name}={}ppb", super::table::number(fraction * 1e9))
-        }
-        Load::CellsPerKilogram(cells) => {
-            format!("{name}={}cells/mL", super::table::number(cells / 1000.0))
-        }
-    }
 }

@@ -1,9 +1,15 @@
 //! Tables of results, as text.
 
+use crate::arguments::{SearchArguments, TableFormat};
+use crate::failure::Failure;
+use crate::output;
 use serde::Serialize;
 
-/// A number with six significant digits, without an exponent.
+/// A number with six significant digits, without an exponent; nothing where it is none.
 pub(super) fn number(value: f64) -> String {
+    if value.is_nan() {
+        return String::new();
+    }
     if value.is_infinite() {
         return "inf".into();
     }
@@ -20,7 +26,7 @@ pub(super) enum Cell {
 }
 
 impl Cell {
-    fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         match self {
             Self::Number(value) => number(*value),
             Self::Word(word) => word.clone(),
@@ -37,7 +43,7 @@ pub(super) struct Table {
 
 impl Table {
     /// Comma-separated values.
-    pub(super) fn csv(&self) -> String {
+    fn csv(&self) -> String {
         let mut text = self.names.join(",") + "\n";
         for row in &self.rows {
             text += &row.iter().map(Cell::text).collect::<Vec<_>>().join(",");
@@ -46,9 +52,22 @@ impl Table {
         text
     }
 
+    /// Prints it, or writes it to the file that was asked for.
+    pub(super) fn tell(&self, arguments: &SearchArguments) -> Result<(), Failure> {
+        let text = match arguments.format {
+            TableFormat::Csv => self.csv(),
+            TableFormat::Json => output::json(&self.objects())?,
+        };
+        match &arguments.output {
+            Some(path) => output::write_text(path, &text),
+            None => output::print(&text),
+        }
+    }
+
     /// Rows as objects, in the order of the columns; what JSON has no number for is a word.
-    pub(super) fn objects(&self) -> Vec<serde_json::Map<String, serde_json::Value>> {
+    fn objects(&self) -> Vec<serde_json::Map<String, serde_json::Value>> {
         let value = |cell: &Cell| match cell {
+            Cell::Number(value) if value.is_nan() => serde_json::Value::Null,
             Cell::Number(value) if value.is_finite() => serde_json::json!(value),
             cell => serde_json::Value::String(cell.text()),
         };
@@ -68,7 +87,7 @@ mod tests {
         assert_eq!(number(0.123_456_78), "0.123457");
         assert_eq!(number(0.0), "0");
         assert_eq!(number(1.0e-9), "0.000000001");
-        assert_eq!(number(f64::INFINITY), "inf");
+        assert_eq!((number(f64::INFINITY).as_str(), number(f64::NAN).as_str()), ("inf", ""));
         let row = vec![Cell::Word("x".into()), Cell::Number(0.5), Cell::Number(f64::INFINITY)];
         let table = Table { names: vec!["a", "b", "c"], rows: vec![row] };
         assert_eq!(table.csv(), "a,b,c\nx,0.5,inf\n");

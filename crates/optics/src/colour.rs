@@ -1,0 +1,177 @@
+//! What the eye makes of a spectrum: CIE 1931 colour, and the primaries that pictures are in.
+
+use crate::{Spectrum, table};
+use snowgrain_math::{DMat3, DVec3};
+use std::sync::LazyLock;
+
+/// Wavelengths that colours are summed over, nm.
+pub const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
+
+const OBSERVER: &str = include_str!("../data/cie1931_2deg_1nm.csv");
+
+/// The colour matching functions of the CIE 1931 2-degree observer.
+static MATCHING: LazyLock<[Spectrum; 3]> =
+    LazyLock::new(|| ["xbar", "ybar", "zbar"].map(|name| table::column(OBSERVER, name)));
+static D65: LazyLock<Spectrum> =
+    LazyLock::new(|| table::column(include_str!("../data/cie_d65.csv"), "power"));
+static D55: LazyLock<Spectrum> =
+    LazyLock::new(|| table::column(include_str!("../data/cie_d55.csv"), "power"));
+static A: LazyLock<Spectrum> =
+    LazyLock::new(|| table::column(include_str!("../data/cie_a.csv"), "power"));
+
+/// Standard light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Illuminant {
+    /// CIE D65: average daylight, 6504 K.
+    D65,
+    /// CIE D55: mid-morning daylight, 5503 K.
+    D55,
+    /// CIE A: an incandescent lamp, 2856 K.
+    A,
+    /// The same power at every wavelength.
+    EqualEnergy,
+}
+
+impl Illuminant {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::D65, Self::D55, Self::A, Self::EqualEnergy];
+
+    /// The name by which users choose it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::D65 => "d65",
+            Self::D55 => "d55",
+            Self::A => "a",
+            Self::EqualEnergy => "equal-energy",
+        }
+    }
+
+    /// Power at a wavelength, relative to that at 560 nm in percent.
+    #[must_use]
+    pub fn power(self, wavelength_nm: f64) -> f64 {
+        match self {
+            Self::D65 => D65.at(wavelength_nm),
+            Self::D55 => D55.at(wavelength_nm),
+            Self::A => A.at(wavelength_nm),
+            Self::EqualEnergy => 100.0,
+        }
+    }
+}
+
+/// CIE 1931 tristimulus values of what `reflectance` leaves of the light, with Y = 1 for all of it.
+///
+/// Sums over [`VISIBLE_NM`] in whole nanometres.
+#[must_use]
+pub fn tristimulus(illuminant: Illuminant, reflectance: impl Fn(f64) -> f64) -> DVec3 {
+    let [first, last] = VISIBLE_NM;
+    let mut sum = DVec3::ZERO;
+    let mut white = 0.0;
+    for step in 0..=(last - first) as u32 {
+        let at = first + f64::from(step);
+        let power = illuminant.power(at);
+        let [x, y, z] = [0, 1, 2].map(|i: usize| MATCHING[i].at(at));
+        sum += DVec3::new(x, y, z) * (power * reflectance(at));
+        white += y * power;
+    }
+    sum / white
+}
+
+/// Chromaticity coordinates x, y.
+#[must_use]
+pub fn chromaticity(xyz: DVec3) -> [f64; 2] {
+    let sum = xyz.x + xyz.y + xyz.z;
+    [xyz.x / sum, xyz.y / sum]
+}
+
+/// Sets of primaries for pictures, linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Primaries {
+    /// sRGB and Rec. 709, white D65 (IEC 61966-2-1).
+    #[default]
+    Srgb,
+    /// ACEScg: AP1, white of ACES (Academy S-2014-004).
+    AcesCg,
+}
+
+impl Primaries {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Srgb, Self::AcesCg];
+
+    /// The name by which users choose it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Srgb => "srgb",
+            Self::AcesCg => "acescg",
+        }
+    }
+
+    /// Chromaticities x, y of red, green, blue and white.
+    #[must_use]
+    pub fn chromaticities(self) -> [[f64; 2]; 4] {
+        match self {
+            Self::Srgb => [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]],
+            Self::AcesCg => [[0.713, 0.293], [0.165, 0.830], [0.128, 0.044], [0.32168, 0.33767]],
+        }
+    }
+
+    /// Amounts of the primaries that look like these tristimulus values; below 0 for colours out of
+    /// their gamut. No adaptation to white: white of the primaries is 1, 1, 1.
+    #[must_use]
+    pub fn from_xyz(self, xyz: DVec3) -> DVec3 {
+        self.to_xyz().inverse() * xyz
+    }
+
+    /// The tristimulus values of each primary, in columns, such that all three give white of Y = 1
+    /// (SMPTE RP 177).
+    #[must_use]
+    pub fn to_xyz(self) -> DMat3 {
+        let xyz = |[x, y]: [f64; 2]| DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+        let [red, green, blue, white] = self.chromaticities().map(xyz);
+        let columns = DMat3::from_cols(red, green, blue);
+        let amounts = columns.inverse() * white;
+        columns * DMat3::from_diagonal(amounts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_light_has_the_chromaticity_of_its_name() {
+        for (illuminant, x, y) in [
+            (Illuminant::D65, 0.31272, 0.32903),
+            (Illuminant::D55, 0.33242, 0.34743),
+            (Illuminant::A, 0.44757, 0.40745),
+            (Illuminant::EqualEnergy, 0.33333, 0.33333),
+        ] {
+            let white = tristimulus(illuminant, |_| 1.0);
+            let [found_x, found_y] = chromaticity(white);
+            assert!((white.y - 1.0).abs() < 1e-12);
+            assert!((found_x - x).abs() < 1e-4 && (found_y - y).abs() < 1e-4, "{illuminant:?}");
+        }
+    }
+
+    #[test]
+    fn primaries_make_white_and_the_matrices_of_their_standards() {
+        let srgb = Primaries::Srgb.from_xyz(DVec3::new(0.95047, 1.0, 1.08883));
+        assert!((srgb - DVec3::ONE).abs().max_element() < 5e-4, "{srgb}");
+        // IEC 61966-2-1.
+        let first = Primaries::Srgb.to_xyz().row(1);
+        assert!((first - DVec3::new(0.2126, 0.7152, 0.0722)).abs().max_element() < 1e-4, "{first}");
+        // Academy S-2014-004, AP1: the row of Y.
+        let aces = Primaries::AcesCg.to_xyz().row(1);
+        let standard = DVec3::new(0.272_228_7, 0.674_081_8, 0.053_689_5);
+        assert!((aces - standard).abs().max_element() < 1e-6, "{aces}");
+    }
+
+    #[test]
+    fn a_flat_reflectance_is_a_grey_and_deep_blue_leaves_the_gamut() {
+        let grey = Primaries::Srgb.from_xyz(tristimulus(Illuminant::D65, |_| 0.25));
+        assert!((grey - DVec3::splat(0.25)).abs().max_element() < 5e-4, "{grey}");
+        let blue = |wavelength: f64| if wavelength < 480.0 { 1.0 } else { 0.0 };
+        assert!(Primaries::Srgb.from_xyz(tristimulus(Illuminant::D65, blue)).min_element() < 0.0);
+    }
+}
