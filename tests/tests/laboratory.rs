@@ -9,8 +9,8 @@ use snowgrain_optics::colour::chromaticity;
 use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, ImpurityKind, Load};
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, Incidence, Polarisation, SnowLayer, SnowStack, Theory,
-    colour_wavelengths_nm, colours, homogeneous_albedo, theoretical_albedo,
+    Albedo, AlbedoSettings, GrainLayer, Incidence, Polarisation, SnowLayer, SnowStack, Theory,
+    colour_wavelengths_nm, colours, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
 
 const DENSITY: f64 = 300.0;
@@ -204,6 +204,32 @@ fn light_through_snow_turns_as_blue_as_discrete_ordinates_say() {
     }
     assert!(compared >= 8);
     println!("{compared} colours, at most {worst:.5} off in x or y");
+}
+
+/// Random packs of solid fraction .15 and .30 against what an independent program found for its own
+/// (section 3 of the project's physics), where ice is clear and its index near 1.31: within .004 or four standard
+/// errors. One pack differs from the next by less than .002.
+#[test]
+fn grains_at_random_places_transmit_what_an_independent_program_found() {
+    let radius_um = 50.0;
+    for (solid_fraction, tau, transmitted) in
+        [(0.15, 5.0, 0.5442), (0.30, 20.0, 0.2511), (0.30, 100.0, 0.0617)]
+    {
+        let depth = tau * 4.0 * radius_um * 1e-6 / (3.0 * solid_fraction);
+        let mut stack = layer(radius_um, depth);
+        stack.layers[0].density = 917.0 * solid_fraction;
+        let settings = settings(vec![560.0], Incidence::Diffuse);
+        let mut grains = GrainLayer::new(&stack, 5).expect("it packs");
+        let [exact] = grain_albedo(&stack, &mut grains, &settings, &mut |_, _| ())[..] else {
+            panic!("one wavelength has one albedo");
+        };
+        let allowed = 0.004f64.max(4.0 * exact.transmittance.standard_error);
+        assert!((exact.transmittance.mean - transmitted).abs() < allowed, "{tau}: {exact:?}");
+        assert!(exact.absorptance > 0.0 && exact.absorptance < 0.01);
+        // Packed grains let more light through than those that are met at random.
+        let homogeneous = find(&stack, &settings)[0].transmittance;
+        assert!(homogeneous.mean + 3.0 * homogeneous.standard_error < exact.transmittance.mean);
+    }
 }
 
 /// Layers of the same snow are one layer; a clean layer over a sooty one lies between both; a ground

@@ -28,6 +28,7 @@ mod error;
 pub mod field;
 pub mod lattice;
 pub mod measures;
+pub mod random;
 pub mod settings;
 
 pub use deposit::{DepositReport, Snowfall, reached_solid_fraction};
@@ -35,6 +36,7 @@ pub use error::GrainsError;
 pub use field::GrainField;
 pub use lattice::{LatticeCell, lattice_grains};
 pub use measures::{Extent, PackReport, Slab};
+pub use random::{RandomSettings, random_pack};
 pub use settings::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeKind, LatticeSettings, Radii,
 };

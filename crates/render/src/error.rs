@@ -16,6 +16,9 @@ pub enum RenderError {
         /// Why.
         source: GrainsError,
     },
+    /// A layer of the laboratory cannot be made of grains.
+    #[error("{0}")]
+    Layer(#[from] GrainsError),
     /// Snow cannot be packed for light.
     #[error("{0}")]
     Grid(#[from] GridError),

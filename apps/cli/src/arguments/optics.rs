@@ -60,7 +60,7 @@ pub(crate) struct AlbedoArguments {
           value_parser = laboratory_values::zenith)]
     pub(crate) sza: Vec<f64>,
 
-    /// How it is found; homogeneous: grains met at random, Monte Carlo; the others: theories
+    /// How it is found
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
     pub(crate) method: Vec<Method>,
 
@@ -191,6 +191,8 @@ pub(crate) struct SearchArguments {
 pub(crate) enum Method {
     /// Monte Carlo through grains that are met at random, by the closed form of a sphere
     Homogeneous,
+    /// Exact Monte Carlo through grains at random places: one layer of finite depth, up to 321 kg/m^3
+    Grains,
     /// Wiscombe and Warren 1980, delta-Eddington
     WiscombeWarren,
     /// Two streams, delta-Eddington

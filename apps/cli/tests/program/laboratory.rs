@@ -92,6 +92,41 @@ fn layers_of_a_file_are_one_stack() {
 }
 
 #[test]
+fn grains_are_traced_where_a_pack_of_them_can_be_made() {
+    let place = Workplace::new();
+    let run = |density: &str, depth: &str| {
+        place.run(&[
+            "optics",
+            "albedo",
+            "--radius",
+            "200um",
+            "--density",
+            density,
+            "--depth",
+            depth,
+            "--wavelengths",
+            "500,1100",
+            "--method",
+            "grains",
+            "--stderr",
+            "0.02",
+            "-q",
+        ])
+    };
+    let ended = run("250", "4mm");
+    assert_eq!((ended.code, rows(&ended.stdout).len()), (Some(0), 2), "{}", ended.stderr);
+    for (density, depth, told) in [
+        ("400", "4mm", "at most 321"),
+        ("250", "inf", "need a depth"),
+        ("250", "0.2mm", "less than"),
+    ] {
+        let ended = run(density, depth);
+        assert_eq!((ended.code, ended.stdout.as_str()), (Some(65), ""), "{}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    }
+}
+
+#[test]
 fn colours_come_from_above_and_below_with_a_picture() {
     let place = Workplace::new();
     let ended = place.run(&[

@@ -2,7 +2,7 @@
 
 use super::lengths::Ends;
 use super::nodes::{nodes_for, weights_at};
-use super::{Incidence, SnowLayer, SnowStack};
+use super::{GrainLayer, Incidence, SnowLayer, SnowStack};
 use crate::measure::Estimate;
 use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
@@ -80,11 +80,31 @@ pub fn homogeneous_albedo(
     for band in bands(stack, &settings.wavelengths_nm) {
         let wavelengths_nm = band.iter().map(|&index| settings.wavelengths_nm[index]).collect();
         let settings = AlbedoSettings { wavelengths_nm, ..settings.clone() };
-        for (index, albedo) in band.iter().zip(albedo_of_band(stack, &settings, progress)) {
+        let albedos = albedo_of_band(stack, &settings, &mut Way::Homogeneous, progress);
+        for (index, albedo) in band.iter().zip(albedos) {
             found[*index] = Some(albedo);
         }
     }
     found.into_iter().flatten().collect()
+}
+
+/// The layer of `stack` traced exactly through its grains: unbiased, but for the interpolation between
+/// refractive indices, for this pack. `polarisation` is drawn anew at each interface whatever the
+/// settings say.
+#[must_use]
+pub fn grain_albedo(
+    stack: &SnowStack,
+    layer: &mut GrainLayer,
+    settings: &AlbedoSettings,
+    progress: &mut dyn FnMut(u64, f64),
+) -> Vec<Albedo> {
+    albedo_of_band(stack, settings, &mut Way::Grains(layer), progress)
+}
+
+/// Ways to trace paths.
+enum Way<'w> {
+    Homogeneous,
+    Grains(&'w mut GrainLayer),
 }
 
 /// Indices of the wavelengths, by the absorption of the top layer that they meet.
@@ -113,14 +133,15 @@ fn bands(stack: &SnowStack, wavelengths_nm: &[f64]) -> Vec<Vec<usize>> {
 fn albedo_of_band(
     stack: &SnowStack,
     settings: &AlbedoSettings,
+    way: &mut Way<'_>,
     progress: &mut dyn FnMut(u64, f64),
 ) -> Vec<Albedo> {
-    let above = Runs::until_exact(&stack.layers, stack, settings, progress);
+    let above = Runs::until_exact(&stack.layers, false, stack, (settings, way), progress);
     let reflects = stack.ground_albedo > 0.0 && !stack.is_deep();
     let below = reflects.then(|| {
         let turned: Vec<SnowLayer> = stack.layers.iter().rev().cloned().collect();
         let diffuse = AlbedoSettings { incidence: Incidence::Diffuse, ..settings.clone() };
-        Runs::until_exact(&turned, stack, &diffuse, progress)
+        Runs::until_exact(&turned, true, stack, (&diffuse, way), progress)
     });
     settings
         .wavelengths_nm
@@ -171,7 +192,10 @@ fn with_ground(
 
 /// Paths through layers, one set for each refractive index.
 struct Runs {
+    /// From where light enters on.
     layers: Vec<SnowLayer>,
+    /// Whether it enters from below.
+    from_below: bool,
     nodes: Vec<f64>,
     ends: Vec<Ends>,
     paths: u64,
@@ -181,16 +205,26 @@ impl Runs {
     /// Traces paths until the standard error is reached at all wavelengths, or too many are.
     fn until_exact(
         layers: &[SnowLayer],
+        from_below: bool,
         stack: &SnowStack,
-        settings: &AlbedoSettings,
+        (settings, way): (&AlbedoSettings, &mut Way<'_>),
         progress: &mut dyn FnMut(u64, f64),
     ) -> Self {
         let nodes = nodes_for(&settings.wavelengths_nm);
         let ends = vec![Ends::of(layers.len()); nodes.len()];
-        let mut runs = Self { layers: layers.to_vec(), nodes, ends, paths: 0 };
+        let mut runs = Self { layers: layers.to_vec(), from_below, nodes, ends, paths: 0 };
         let mut next = FIRST_ROUND.min(settings.most_paths.max(1));
         loop {
-            runs.trace(stack, settings, next);
+            let paths = runs.paths..runs.paths + next;
+            match way {
+                Way::Homogeneous => runs.trace_homogeneous(stack, settings, next),
+                Way::Grains(layer) => {
+                    for (ends, &eta) in runs.ends.iter_mut().zip(&runs.nodes) {
+                        ends.merge(&layer.trace(eta, settings, runs.from_below, &paths));
+                    }
+                }
+            }
+            runs.paths = paths.end;
             let worst = settings
                 .wavelengths_nm
                 .iter()
@@ -207,7 +241,7 @@ impl Runs {
         }
     }
 
-    fn trace(&mut self, stack: &SnowStack, settings: &AlbedoSettings, more: u64) {
+    fn trace_homogeneous(&mut self, stack: &SnowStack, settings: &AlbedoSettings, more: u64) {
         let mut bottom = 0.0;
         let bottoms: Vec<f32> = self
             .layers
@@ -265,7 +299,6 @@ impl Runs {
             })
             .collect();
         parts.iter().for_each(|(node, ends)| self.ends[*node].merge(ends));
-        self.paths += more;
     }
 
     /// Reflectance and transmittance of the layers, interpolated between refractive indices.

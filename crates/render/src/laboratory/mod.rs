@@ -6,11 +6,15 @@
 
 mod albedo;
 mod colour;
+mod grains;
 mod lengths;
 mod nodes;
 mod snow;
 
-pub use albedo::{Albedo, AlbedoSettings, Theory, homogeneous_albedo, theoretical_albedo};
+pub use albedo::{
+    Albedo, AlbedoSettings, Theory, grain_albedo, homogeneous_albedo, theoretical_albedo,
+};
 pub use colour::{colour_wavelengths_nm, colours};
+pub use grains::GrainLayer;
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::{MOST_LAYERS, Polarisation};

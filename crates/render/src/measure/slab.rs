@@ -42,6 +42,29 @@ pub struct SlabSettings {
     pub level: SimdLevel,
 }
 
+impl SlabSettings {
+    /// The path of that number, as it enters.
+    pub(crate) fn path(&self, number: u64) -> NewPath<()> {
+        let key = PathKey::new(self.seed, number, 0);
+        let [u, v, _] = numbers(key, 0);
+        let height = if self.from_below { self.bottom } else { self.top };
+        let origin =
+            DVec3::new(f64::from(u) * self.period[0], height, f64::from(v) * self.period[1]);
+        let inward = if self.from_below { DVec3::Y } else { -DVec3::Y };
+        let direction = match self.incidence {
+            Incidence::Lambertian => {
+                let [_, u, v] = numbers(key, 1);
+                frame::cosine_hemisphere(inward, [f64::from(u), f64::from(v)])
+            }
+            Incidence::Collimated { zenith_degrees } => {
+                let (sin, cos) = trig::sin_cos(zenith_degrees.to_radians());
+                inward * cos + DVec3::X * sin
+            }
+        };
+        NewPath { tag: (), ray: Ray::new(origin, direction), key, event: 2 }
+    }
+}
+
 /// What a slab does to light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SlabMeasure {
@@ -165,28 +188,9 @@ impl PathSource for SlabSource<'_> {
         if self.next == self.end {
             return None;
         }
-        let settings = self.settings;
-        let key = PathKey::new(settings.seed, self.next, 0);
+        let path = self.settings.path(self.next);
         self.next += 1;
-        let [u, v, _] = numbers(key, 0);
-        let height = if settings.from_below { settings.bottom } else { settings.top };
-        let origin = DVec3::new(
-            f64::from(u) * settings.period[0],
-            height,
-            f64::from(v) * settings.period[1],
-        );
-        let inward = if settings.from_below { DVec3::Y } else { -DVec3::Y };
-        let direction = match settings.incidence {
-            Incidence::Lambertian => {
-                let [_, u, v] = numbers(key, 1);
-                frame::cosine_hemisphere(inward, [f64::from(u), f64::from(v)])
-            }
-            Incidence::Collimated { zenith_degrees } => {
-                let (sin, cos) = trig::sin_cos(zenith_degrees.to_radians());
-                inward * cos + DVec3::X * sin
-            }
-        };
-        Some(NewPath { tag: (), ray: Ray::new(origin, direction), key, event: 2 })
+        Some(path)
     }
 
     fn finish(&mut self, (): (), path: &PathResult) {

@@ -8,7 +8,8 @@ use crate::progress::Progress;
 use crate::summary::grouped;
 use crate::threads::pool;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, Incidence, SnowStack, Theory, homogeneous_albedo, theoretical_albedo,
+    Albedo, AlbedoSettings, GrainLayer, Incidence, SnowStack, Theory, grain_albedo,
+    homogeneous_albedo, theoretical_albedo,
 };
 
 /// Most lines of a table.
@@ -76,7 +77,7 @@ fn find(
     method: Method,
 ) -> Result<Vec<Albedo>, Failure> {
     let theory = match method {
-        Method::Homogeneous => {
+        Method::Homogeneous | Method::Grains => {
             let settings = AlbedoSettings {
                 wavelengths_nm: arguments.wavelengths.0.clone(),
                 incidence,
@@ -86,7 +87,11 @@ fn find(
             let mut tell = |paths: u64, done: f64| {
                 progress.detail(&format!("{} paths, {:.0} %", grouped(paths), 100.0 * done));
             };
-            return Ok(homogeneous_albedo(stack, &settings, &mut tell));
+            if method == Method::Homogeneous {
+                return Ok(homogeneous_albedo(stack, &settings, &mut tell));
+            }
+            let mut layer = GrainLayer::new(stack, settings.seed)?;
+            return Ok(grain_albedo(stack, &mut layer, &settings, &mut tell));
         }
         Method::WiscombeWarren => Theory::WiscombeWarren,
         Method::TwoStream => Theory::TwoStream,
@@ -109,6 +114,7 @@ fn find(
 fn name(method: Method) -> &'static str {
     match method {
         Method::Homogeneous => "homogeneous",
+        Method::Grains => "grains",
         Method::WiscombeWarren => "wiscombe-warren",
         Method::TwoStream => "two-stream",
         Method::KokhanovskyZege => "kokhanovsky-zege",

@@ -1,0 +1,120 @@
+//! A layer as what it is: grains at random places that repeat for ever, traced exactly.
+
+use super::lengths::Ends;
+use super::{AlbedoSettings, Incidence, SnowLayer, SnowStack};
+use crate::measure::{self, SlabSettings};
+use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
+use crate::{RenderError, World};
+use rayon::prelude::*;
+use snowgrain_accel::{GrainGrid, Packing, Surfaces};
+use snowgrain_grains::{GrainsError, RandomSettings, random_pack};
+use std::ops::Range;
+
+/// Period along x and z, in radii: light forgets where it entered over less.
+const WIDTH_IN_RADII: f64 = 40.0;
+/// Paths that a thread follows at a time.
+const PATHS_PER_TASK: u64 = 1 << 12;
+
+/// A layer of equal grains, packed for light.
+#[derive(Debug)]
+pub struct GrainLayer {
+    world: World,
+    period: [f64; 2],
+    /// Height of the upper face; the lower one is at 0.
+    depth: f64,
+    radius: f64,
+}
+
+impl GrainLayer {
+    /// The only layer of `stack` as a random pack (see `snowgrain_grains::random`).
+    ///
+    /// # Errors
+    /// Several layers, infinite depth, a density that random places do not reach.
+    pub fn new(stack: &SnowStack, seed: u64) -> Result<Self, RenderError> {
+        let unfit = |key: &'static str, reason: &str| {
+            RenderError::from(GrainsError::Setting { key, reason: reason.into() })
+        };
+        let [SnowLayer { radius, density, depth, .. }] = stack.layers[..] else {
+            return Err(unfit("layers", "grains are traced in one layer; ask for one"));
+        };
+        if depth.is_infinite() {
+            return Err(unfit("depth", "grains need a depth; ask for one, as 10cm"));
+        }
+        let width = WIDTH_IN_RADII * radius;
+        let settings = RandomSettings { radius, density, depth, width, seed };
+        let (field, period) = random_pack(&settings)?;
+        let quantum = field.quantisation.quantum();
+        let grains = field.grains();
+        let grid = GrainGrid::build_periodic(field.quantisation, &*grains, period, Packing::Fast)?;
+        let surfaces = Surfaces::default();
+        let world = World { grid, surfaces, albedos: Vec::new(), eta: 1.31 };
+        Ok(Self { world, period: period.map(|length| length as f64 * quantum), depth, radius })
+    }
+
+    /// Traces paths for one refractive index.
+    pub(super) fn trace(
+        &mut self,
+        eta: f64,
+        settings: &AlbedoSettings,
+        from_below: bool,
+        paths: &Range<u64>,
+    ) -> Ends {
+        self.world.eta = eta;
+        let slab = SlabSettings {
+            top: self.depth,
+            bottom: 0.0,
+            period: self.period,
+            incidence: match settings.incidence {
+                Incidence::Diffuse => measure::Incidence::Lambertian,
+                Incidence::Sun { zenith_degrees } => {
+                    measure::Incidence::Collimated { zenith_degrees }
+                }
+            },
+            from_below,
+            absorption_per_metre: 0.0,
+            paths: paths.end - paths.start,
+            seed: settings.seed,
+            level: settings.level,
+        };
+        let tasks = (paths.end - paths.start).div_ceil(PATHS_PER_TASK);
+        let parts: Vec<Ends> = (0..tasks)
+            .into_par_iter()
+            .map(|task| {
+                let first = paths.start + task * PATHS_PER_TASK;
+                let end = (first + PATHS_PER_TASK).min(paths.end);
+                let (ends, radius) = (Ends::of(1), self.radius);
+                let mut source = LengthSource { slab: &slab, next: first, end, radius, ends };
+                trace(&self.world, settings.level, &mut source);
+                source.ends
+            })
+            .collect();
+        let mut all = Ends::of(1);
+        parts.iter().for_each(|ends| all.merge(ends));
+        all
+    }
+}
+
+/// Paths into a slab, of which the ends are kept.
+struct LengthSource<'a> {
+    slab: &'a SlabSettings,
+    next: u64,
+    end: u64,
+    radius: f64,
+    ends: Ends,
+}
+
+impl PathSource for LengthSource<'_> {
+    type Tag = ();
+
+    fn next_path(&mut self) -> Option<NewPath<()>> {
+        let path = (self.next < self.end).then(|| self.slab.path(self.next));
+        self.next += 1;
+        path
+    }
+
+    fn finish(&mut self, (): (), path: &PathResult) {
+        let PathEnd::Escaped(ray) = path.end else { return };
+        let through = (ray.direction.y > 0.0) == self.slab.from_below;
+        self.ends.add(1.0, through, &[path.ice_length / self.radius]);
+    }
+}
