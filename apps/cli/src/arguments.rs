@@ -18,8 +18,8 @@ pub(crate) use compare::CompareArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
-    AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, SearchArguments,
-    SnowArguments, TableFormat,
+    AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, PhaseArguments,
+    SearchArguments, SnowArguments, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use values::{PictureFile, PictureFormat, Size};

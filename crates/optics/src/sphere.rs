@@ -128,6 +128,55 @@ pub fn asymmetry_of_polarised(medium: Dielectric) -> f64 {
     })
 }
 
+/// Whether the polarisation is drawn anew at each interface of a grain, or is that of the grain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Polarisation {
+    /// The mean of both reflectances counts at every interface: the paper's way.
+    #[default]
+    Redrawn,
+    /// A path is of one polarisation from the entry to a grain to its exit, and unpolarised again at
+    /// the next grain: exact for one grain. 1 - g is 1.5 % less.
+    Tracked,
+}
+
+/// The phase function of a sphere without diffraction: the parts of the scattered energy in `bins`
+/// equal bins of the scattering angle from 0 to 180 degrees. They add up to 1.
+///
+/// Midpoints of 2^18 equal parts of the disc, and orders until less than 1e-9 of a ray is left.
+#[must_use]
+pub fn energy_by_angle(medium: Dielectric, polarisation: Polarisation, bins: usize) -> Vec<f64> {
+    const PARTS: u32 = 1 << 18;
+    let mut energies = vec![0.0; bins];
+    let bin_of = |deflection: f64| {
+        let around = deflection.rem_euclid(2.0 * PI);
+        let angle = around.min(2.0 * PI - around);
+        ((angle / PI * bins as f64) as usize).min(bins - 1)
+    };
+    for part in 0..PARTS {
+        let u = (f64::from(part) + 0.5) / f64::from(PARTS);
+        let impact = Impact::at_disc_fraction(medium, u);
+        let reflectances = match polarisation {
+            Polarisation::Redrawn => [impact.reflectance; 2],
+            Polarisation::Tracked => {
+                medium.polarised_reflectances_from_outside(trig::sin_cos(impact.theta_i).1)
+            }
+        };
+        for reflectance in reflectances {
+            let mut left = 0.5 / f64::from(PARTS);
+            let mut energy = reflectance;
+            for order in 0.. {
+                energies[bin_of(impact.deflection(order))] += left * energy;
+                left *= 1.0 - energy;
+                energy = 1.0 - reflectance;
+                if left * f64::from(PARTS) < 1e-9 {
+                    break;
+                }
+            }
+        }
+    }
+    energies
+}
+
 /// B: mean length in the sphere per visit over the mean straight chord 4r/3, that is the weak
 /// absorption 1 - w = (4/3) gamma r B. Equals eta^2 - (eta^2-1)^(3/2)/eta for eta >= 1 and eta^2
 /// below.
@@ -197,6 +246,34 @@ mod tests {
         for (eta, g) in [(1.28, 0.806944), (1.29, 0.799552), (1.31, 0.784965)] {
             let value = asymmetry_of_polarised(Dielectric { eta });
             assert!((value - g).abs() < 5e-6, "{eta}: {value}");
+        }
+    }
+
+    /// Parts of the energy in bins of 10 degrees for n = 1.31, by a separate program of a few lines
+    /// (4 10^5 midpoints, 60 orders).
+    #[test]
+    fn energy_by_angle_is_that_of_an_independent_program_and_has_the_closed_asymmetry() {
+        const REDRAWN: [f64; 18] = [
+            0.12385, 0.25786, 0.23686, 0.16288, 0.09463, 0.04494, 0.01555, 0.00407, 0.00251,
+            0.00206, 0.00181, 0.00189, 0.0025, 0.02856, 0.01316, 0.00424, 0.002, 0.00062,
+        ];
+        let ice = Dielectric { eta: 1.31 };
+        let found = energy_by_angle(ice, Polarisation::Redrawn, 18);
+        for (bin, (found, expected)) in found.iter().zip(REDRAWN).enumerate() {
+            assert!((found - expected).abs() < 2e-5, "{bin}: {found}");
+        }
+        for polarisation in [Polarisation::Redrawn, Polarisation::Tracked] {
+            let fine = energy_by_angle(ice, polarisation, 1800);
+            assert!((fine.iter().sum::<f64>() - 1.0).abs() < 1e-8);
+            let mean: f64 = (0u32..)
+                .zip(&fine)
+                .map(|(bin, e)| e * trig::sin_cos((f64::from(bin) + 0.5) * PI / 1800.0).1)
+                .sum();
+            let g = match polarisation {
+                Polarisation::Redrawn => asymmetry(ice),
+                Polarisation::Tracked => asymmetry_of_polarised(ice),
+            };
+            assert!((mean - g).abs() < 1e-5, "{polarisation:?}: {mean} {g}");
         }
     }
 

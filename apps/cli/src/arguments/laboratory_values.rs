@@ -77,6 +77,14 @@ impl FromStr for ImpurityLoads {
     }
 }
 
+/// A wavelength, nm.
+pub(super) fn wavelength(text: &str) -> Result<f64, String> {
+    match text.parse::<Wavelengths>()?.0[..] {
+        [wavelength] => Ok(wavelength),
+        _ => Err("write one wavelength in nm".into()),
+    }
+}
+
 /// A radius, metres.
 pub(super) fn radius(text: &str) -> Result<f64, String> {
     laboratory::check_radius(length(text)?)

@@ -1,9 +1,9 @@
 //! `snowgrain optics` as typed.
 
 use super::laboratory_values::{Depth, ImpurityLoads, Wavelengths};
-use super::{MachineArguments, laboratory_values};
+use super::{MachineArguments, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
-use snowgrain_accel::homogeneous::Polarisation;
+use snowgrain_optics::sphere::Polarisation;
 use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
 use std::path::PathBuf;
 
@@ -20,6 +20,7 @@ pub(crate) struct OpticsArguments {
 pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
     Colour(Box<ColourArguments>),
+    Phase(PhaseArguments),
 }
 
 /// Spectral reflectance, transmittance and absorptance of flat layers of snow.
@@ -110,6 +111,43 @@ pub(crate) struct ColourArguments {
 
     #[command(flatten)]
     pub(crate) search: SearchArguments,
+}
+
+/// Scattering by one grain, without diffraction: g, B, the energy of each order, and the phase function.
+///
+/// Comma-separated values follow lines of remarks: g is the mean cosine of the scattering angle, B the
+/// mean length in the grain over the mean chord 4r/3, E0, E1, ... the energy that is reflected outside
+/// and that which leaves after 1, 2, ... chords. The phase function has the mean 1 over all directions.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    snowgrain optics phase --wavelength 550\n  \
+    snowgrain optics phase --ior 1.32 --bins 18 --polarisation tracked")]
+pub(crate) struct PhaseArguments {
+    /// Wavelength, nm, of the refractive index of ice
+    #[arg(long, value_name = "NM", default_value = "550",
+          value_parser = laboratory_values::wavelength)]
+    pub(crate) wavelength: f64,
+
+    /// Refractive index instead
+    #[arg(long, value_name = "N", value_parser = values::ior, conflicts_with = "wavelength")]
+    pub(crate) ior: Option<f64>,
+
+    /// Equal bins of the scattering angle, from 0 to 180 degrees
+    #[arg(long, value_name = "N", default_value_t = 180,
+          value_parser = clap::value_parser!(u16).range(1..=18_000))]
+    pub(crate) bins: u16,
+
+    /// Whether light is unpolarised at every interface, or keeps its polarisation within a grain
+    #[arg(long, value_enum, default_value = "redrawn")]
+    pub(crate) polarisation: PolarisationName,
+
+    /// What is printed
+    #[arg(long, value_enum, default_value = "csv")]
+    pub(crate) format: TableFormat,
+
+    /// Writes it to a file instead
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// Layers of snow.

@@ -2,6 +2,7 @@
 
 mod albedo;
 mod colour;
+mod phase;
 mod snow;
 mod swatches;
 mod table;
@@ -13,5 +14,6 @@ pub(super) fn run(arguments: &OpticsArguments) -> Result<u8, Failure> {
     match &arguments.kind {
         OpticsKind::Albedo(arguments) => albedo::run(arguments),
         OpticsKind::Colour(arguments) => colour::run(arguments),
+        OpticsKind::Phase(arguments) => phase::run(arguments),
     }
 }

@@ -183,3 +183,19 @@ fn what_snow_cannot_be_is_refused() {
         assert!(ended.stderr.contains(told), "{option} {value}: {}", ended.stderr);
     }
 }
+
+#[test]
+fn a_phase_function_has_the_mean_1_and_the_asymmetry_that_is_told() {
+    let place = Workplace::new();
+    let ended = place.run(&["optics", "phase", "--ior", "1.31", "--bins", "720"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stdout.contains("# g 0.78165") && ended.stdout.contains("# B 1.25352"));
+    let (remarks, table): (Vec<&str>, Vec<&str>) =
+        ended.stdout.lines().partition(|line| line.starts_with('#'));
+    assert_eq!((remarks.len(), table.len()), (9, 721));
+    let energies = table[1..].iter().map(|line| line.split(',').nth(2).unwrap());
+    let sum: f64 = energies.map(|energy| energy.parse::<f64>().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+    let ended = place.run(&["optics", "phase", "--wavelength", "100"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("300 to 2500"), "{}", ended.stderr);
+}

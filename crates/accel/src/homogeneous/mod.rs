@@ -13,6 +13,7 @@ mod paths;
 
 use crate::SimdLevel;
 use fearless_simd::dispatch;
+use snowgrain_optics::sphere::Polarisation;
 use std::ops::Range;
 
 /// Most layers.
@@ -25,17 +26,6 @@ pub enum Illumination {
     Diffuse,
     /// Parallel light; the cosine of the angle from the vertical, in (0, 1].
     Parallel(f32),
-}
-
-/// Whether the polarisation is drawn anew at each interface of a grain, or is that of the grain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Polarisation {
-    /// The mean of both reflectances counts at every interface: the paper's way.
-    #[default]
-    Redrawn,
-    /// A path is of one polarisation from the entry to a grain to its exit, and unpolarised again at
-    /// the next grain: exact for one grain. 1 - g is 1.5 % less.
-    Tracked,
 }
 
 /// The layers and the light that falls on them.

@@ -1,13 +1,12 @@
 //! Sixteen paths and their steps.
 
 use super::arithmetic::{cos_of_turn, ln};
-use super::{
-    HomogeneousEnd, HomogeneousLayers, HomogeneousPath, Illumination, MOST_LAYERS, Polarisation,
-};
+use super::{HomogeneousEnd, HomogeneousLayers, HomogeneousPath, Illumination, MOST_LAYERS};
 use crate::flight::random::{NEXT_EVENT, hashed, prepared, unit_interval};
 use crate::flight::vector::{F, M, W, WIDTH};
 use fearless_simd::prelude::*;
 use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_optics::sphere::Polarisation;
 use std::ops::Range;
 
 /// The first roulette is at this darkness, as a power of e; the others at each halving of the light.

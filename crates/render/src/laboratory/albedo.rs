@@ -7,11 +7,12 @@ use crate::measure::Estimate;
 use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
 use snowgrain_accel::homogeneous::{
-    HomogeneousEnd, HomogeneousLayers, Illumination, Polarisation, trace_homogeneous,
+    HomogeneousEnd, HomogeneousLayers, Illumination, trace_homogeneous,
 };
 use snowgrain_math::trig;
+use snowgrain_optics::sphere::{self, Polarisation};
 use snowgrain_optics::theory::{self, Fluxes, SingleScattering};
-use snowgrain_optics::{Dielectric, ice, sphere};
+use snowgrain_optics::{Dielectric, ice};
 
 /// Paths that a thread follows at a time.
 const PATHS_PER_TASK: u64 = 1 << 10;

@@ -17,4 +17,5 @@ pub use albedo::{
 pub use colour::{colour_wavelengths_nm, colours};
 pub use grains::GrainLayer;
 pub use snow::{Incidence, SnowLayer, SnowStack};
-pub use snowgrain_accel::homogeneous::{MOST_LAYERS, Polarisation};
+pub use snowgrain_accel::homogeneous::MOST_LAYERS;
+pub use snowgrain_optics::sphere::Polarisation;

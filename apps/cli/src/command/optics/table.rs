@@ -4,6 +4,7 @@ use crate::arguments::{SearchArguments, TableFormat};
 use crate::failure::Failure;
 use crate::output;
 use serde::Serialize;
+use std::path::Path;
 
 /// A number with six significant digits, without an exponent; nothing where it is none.
 pub(super) fn number(value: f64) -> String {
@@ -54,17 +55,37 @@ impl Table {
 
     /// Prints it, or writes it to the file that was asked for.
     pub(super) fn tell(&self, arguments: &SearchArguments) -> Result<(), Failure> {
-        let text = match arguments.format {
-            TableFormat::Csv => self.csv(),
-            TableFormat::Json => output::json(&self.objects())?,
+        self.tell_with(&[], arguments.format, arguments.output.as_deref())
+    }
+
+    /// The same, with figures that are of the whole table: remarks before comma-separated values, or
+    /// beside the `rows` of a JSON object.
+    pub(super) fn tell_with(
+        &self,
+        figures: &[(&'static str, f64)],
+        format: TableFormat,
+        file: Option<&Path>,
+    ) -> Result<(), Failure> {
+        let text = match format {
+            TableFormat::Csv => {
+                let remark = |(name, value): &(&str, f64)| format!("# {name} {}\n", number(*value));
+                figures.iter().map(remark).collect::<String>() + &self.csv()
+            }
+            TableFormat::Json if figures.is_empty() => output::json(&self.objects())?,
+            TableFormat::Json => {
+                let figures = figures.iter().map(|(name, value)| ((*name).into(), (*value).into()));
+                let mut all: serde_json::Map<String, serde_json::Value> = figures.collect();
+                all.insert("rows".into(), serde_json::json!(self.objects()));
+                output::json(&all)?
+            }
         };
-        match &arguments.output {
+        match file {
             Some(path) => output::write_text(path, &text),
             None => output::print(&text),
         }
     }
 
-    /// Rows as objects, in the order of the columns; what JSON has no number for is a word.
+    /// Rows as objects; what JSON has no number for is a word.
     fn objects(&self) -> Vec<serde_json::Map<String, serde_json::Value>> {
         let value = |cell: &Cell| match cell {
             Cell::Number(value) if value.is_nan() => serde_json::Value::Null,

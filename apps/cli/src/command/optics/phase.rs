@@ -1,0 +1,48 @@
+//! `snowgrain optics phase`.
+
+use super::table::{Cell, Table};
+use crate::arguments::PhaseArguments;
+use crate::failure::Failure;
+use core::f64::consts::PI;
+use snowgrain_math::trig;
+use snowgrain_optics::sphere::{self, Polarisation};
+use snowgrain_optics::{Dielectric, ice};
+
+/// Orders that are told one by one.
+const ORDERS: u32 = 6;
+
+pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
+    let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
+    let medium = Dielectric { eta };
+    let polarisation = arguments.polarisation.into();
+    let asymmetry = match polarisation {
+        Polarisation::Redrawn => sphere::asymmetry(medium),
+        Polarisation::Tracked => sphere::asymmetry_of_polarised(medium),
+    };
+    let mut figures = vec![
+        ("refractive_index", eta),
+        ("g", asymmetry),
+        ("B", sphere::absorption_enhancement(medium)),
+    ];
+    // These are of the mean reflectance, whichever polarisation counts within a grain.
+    if polarisation == Polarisation::Redrawn {
+        const NAMES: [&str; ORDERS as usize] = ["E0", "E1", "E2", "E3", "E4", "E5"];
+        figures.extend(NAMES.into_iter().zip((0..).map(|order| sphere::energy(medium, order))));
+    }
+    let bins = usize::from(arguments.bins);
+    let edge = |bin: usize| 180.0 * bin as f64 / bins as f64;
+    let energies = sphere::energy_by_angle(medium, polarisation, bins);
+    let row = |(bin, energy): (usize, f64)| {
+        let [from, to] = [edge(bin), edge(bin + 1)];
+        let cosine = |degrees: f64| trig::sin_cos(degrees.to_radians()).1;
+        let solid_angle = 2.0 * PI * (cosine(from) - cosine(to));
+        let phase_function = 4.0 * PI * energy / solid_angle;
+        [from, to, energy, phase_function].map(Cell::Number).to_vec()
+    };
+    let table = Table {
+        names: vec!["from_deg", "to_deg", "energy", "phase_function"],
+        rows: energies.into_iter().enumerate().map(row).collect(),
+    };
+    table.tell_with(&figures, arguments.format, arguments.output.as_deref())?;
+    Ok(0)
+}
