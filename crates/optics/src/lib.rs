@@ -12,6 +12,7 @@
 //! assert!((sphere::asymmetry(ice) - 0.78166).abs() < 1e-5);
 //! ```
 
+pub mod clear_sky;
 pub mod colour;
 pub mod dielectric;
 pub mod fresnel;

@@ -37,6 +37,7 @@ pub(crate) enum OpticsKind {
     snowgrain optics albedo --ssa 20 --sza 0,30,60 --impurity black-carbon=0ppb,100ppb\n  \
     snowgrain optics albedo --radius 150um --density 250 --depth 3cm --ground 0.2 \\\n    \
         --wavelengths 420,520,620 --method homogeneous,wiscombe-warren\n  \
+    snowgrain optics albedo --radius 100um,1mm --sza 50 --broadband\n  \
     snowgrain optics albedo --layers pack.toml --diffuse --format json -o albedo.json\n\n\
     A file of layers, from the top down:\n  \
     [[layer]]\n  \
@@ -51,6 +52,11 @@ pub(crate) struct AlbedoArguments {
     /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
     #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10")]
     pub(crate) wavelengths: Wavelengths,
+
+    /// Bands instead of wavelengths: solar (300 to 2500 nm), visible (to 700) and near-infrared,
+    /// under sun and sky of a clear day, or, for diffuse light, an overcast one
+    #[arg(long, conflicts_with = "wavelengths")]
+    pub(crate) broadband: bool,
 
     /// Light from all of the sky alike; so it is where no --sza is given
     #[arg(long)]

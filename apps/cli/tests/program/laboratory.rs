@@ -60,6 +60,34 @@ fn albedos_come_for_every_combination_and_are_the_same_on_any_machine() {
 }
 
 #[test]
+fn bands_are_those_of_a_clear_or_an_overcast_day() {
+    let place = Workplace::new();
+    let ended = place.run(&[
+        "optics",
+        "albedo",
+        "--radius",
+        "100um,1mm",
+        "--sza",
+        "60",
+        "--diffuse",
+        "--broadband",
+        "--method",
+        "two-stream",
+    ]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = rows(&ended.stdout);
+    let bands: Vec<&str> = table.iter().map(|row| row[1]).collect();
+    assert_eq!(bands, ["solar", "visible", "near-infrared"].repeat(4));
+    let reflectance = |row: usize| table[row][5].parse::<f64>().unwrap();
+    for first in [0, 3, 6, 9] {
+        let [solar, visible, infrared] = [0, 1, 2].map(|band| reflectance(first + band));
+        assert!(visible > 0.9 && infrared < 0.8 && (infrared..visible).contains(&solar));
+    }
+    // Coarse snow is darker, by its infrared; clouds leave the infrared less weight only by angle.
+    assert!(reflectance(0) > reflectance(6) + 0.05 && reflectance(3) > reflectance(9) + 0.05);
+}
+
+#[test]
 fn layers_of_a_file_are_one_stack() {
     let place = Workplace::new();
     place.file(

@@ -5,6 +5,7 @@
 //! which bends paths, is taken at a few nodes between which results are interpolated.
 
 mod albedo;
+mod broadband;
 mod colour;
 mod grains;
 mod lengths;
@@ -14,6 +15,7 @@ mod snow;
 pub use albedo::{
     Albedo, AlbedoSettings, Theory, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
+pub use broadband::{Band, broadband, broadband_wavelengths_nm};
 pub use colour::{colour_wavelengths_nm, colours};
 pub use grains::GrainLayer;
 pub use snow::{Incidence, SnowLayer, SnowStack};

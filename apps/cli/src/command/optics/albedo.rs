@@ -8,9 +8,10 @@ use crate::progress::Progress;
 use crate::summary::grouped;
 use crate::threads::pool;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, GrainLayer, Incidence, SnowStack, Theory, grain_albedo,
-    homogeneous_albedo, theoretical_albedo,
+    Albedo, AlbedoSettings, Band, GrainLayer, Incidence, SnowStack, Theory, broadband,
+    broadband_wavelengths_nm, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
+use snowgrain_render::measure::Estimate;
 
 /// Most lines of a table.
 const MOST_ROWS: usize = 10_000_000;
@@ -36,7 +37,12 @@ pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
     let pool = pool(&arguments.search.machine)?;
     let stacks = snow::stacks(&arguments.snow)?;
     let incidences = incidences(arguments);
-    let wavelengths = arguments.wavelengths.0.len();
+    let wavelengths_nm = if arguments.broadband {
+        broadband_wavelengths_nm()
+    } else {
+        arguments.wavelengths.0.clone()
+    };
+    let wavelengths = wavelengths_nm.len();
     let cases = stacks.len() * incidences.len() * arguments.method.len();
     if cases.saturating_mul(wavelengths) > MOST_ROWS {
         return Err(Failure::refused(format!(
@@ -51,10 +57,28 @@ pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
             for &method in &arguments.method {
                 let case = format!("{}, case {} of {}", name(method), index + 1, stacks.len());
                 progress.stage(&case);
-                let albedos =
-                    pool.install(|| find(arguments, &progress, stack, incidence, method))?;
-                let row = |albedo: &Albedo| row(stack, incidence, method, albedo);
-                table.rows.extend(albedos.iter().map(row));
+                let find = |incidence: Incidence| {
+                    let search = Search { arguments, progress: &progress, stack, method };
+                    pool.install(|| search.find(incidence, &wavelengths_nm))
+                };
+                let albedos = find(incidence)?;
+                if !arguments.broadband {
+                    let row = |albedo: &Albedo| row(stack, incidence, method, &Part::of(albedo));
+                    table.rows.extend(albedos.iter().map(row));
+                    continue;
+                }
+                let diffuse = if incidence == Incidence::Diffuse {
+                    albedos.clone()
+                } else {
+                    find(Incidence::Diffuse)?
+                };
+                for band in Band::ALL {
+                    let Some(fluxes) = broadband(band, incidence, &albedos, &diffuse) else {
+                        continue;
+                    };
+                    let part = Part::of_band(band, fluxes, stack);
+                    table.rows.push(row(stack, incidence, method, &part));
+                }
             }
         }
     }
@@ -69,46 +93,82 @@ fn incidences(arguments: &AlbedoArguments) -> Vec<Incidence> {
     diffuse.then_some(Incidence::Diffuse).into_iter().chain(suns).collect()
 }
 
-fn find(
-    arguments: &AlbedoArguments,
-    progress: &Progress,
-    stack: &SnowStack,
-    incidence: Incidence,
-    method: Method,
-) -> Result<Vec<Albedo>, Failure> {
-    let theory = match method {
-        Method::Homogeneous | Method::Grains => {
-            let settings = AlbedoSettings {
-                wavelengths_nm: arguments.wavelengths.0.clone(),
-                incidence,
-                standard_error: arguments.stderr,
-                ..snow::search(&arguments.search)
-            };
-            let mut tell = |paths: u64, done: f64| {
-                progress.detail(&format!("{} paths, {:.0} %", grouped(paths), 100.0 * done));
-            };
-            if method == Method::Homogeneous {
-                return Ok(homogeneous_albedo(stack, &settings, &mut tell));
-            }
-            let mut layer = GrainLayer::new(stack, settings.seed)?;
-            return Ok(grain_albedo(stack, &mut layer, &settings, &mut tell));
+/// One line of the table: a wavelength or a band, and what becomes of its light.
+struct Part {
+    of: Cell,
+    fluxes: [Estimate; 2],
+    absorptance: f64,
+}
+
+impl Part {
+    fn of(albedo: &Albedo) -> Self {
+        Self {
+            of: Cell::Number(albedo.wavelength_nm),
+            fluxes: [albedo.reflectance, albedo.transmittance],
+            absorptance: albedo.absorptance,
         }
-        Method::WiscombeWarren => Theory::WiscombeWarren,
-        Method::TwoStream => Theory::TwoStream,
-        Method::KokhanovskyZege => Theory::KokhanovskyZege,
-        Method::BohrenBarkstrom => Theory::BohrenBarkstrom,
-    };
-    let polarisation = arguments.search.polarisation.into();
-    let each = arguments.wavelengths.0.iter().map(|&wavelength_nm| {
-        theoretical_albedo(theory, stack, incidence, polarisation, wavelength_nm)
-    });
-    each.collect::<Option<Vec<Albedo>>>().ok_or_else(|| {
-        let covers = match theory {
-            Theory::BohrenBarkstrom => "one layer of infinite depth under diffuse light",
-            Theory::WiscombeWarren | Theory::TwoStream | Theory::KokhanovskyZege => "one layer",
+    }
+
+    fn of_band(band: Band, fluxes: [Estimate; 2], stack: &SnowStack) -> Self {
+        let name = match band {
+            Band::Solar => "solar",
+            Band::Visible => "visible",
+            Band::NearInfrared => "near-infrared",
         };
-        Failure::usage(format!("{} covers {covers} only; use --method homogeneous", name(method)))
-    })
+        let [up, down] = fluxes.map(|flux| flux.mean);
+        let absorptance = 1.0 - up - (1.0 - stack.ground_albedo) * down;
+        Self { of: Cell::Word(name.into()), fluxes, absorptance }
+    }
+}
+
+/// What albedos are found of, and how.
+struct Search<'a> {
+    arguments: &'a AlbedoArguments,
+    progress: &'a Progress,
+    stack: &'a SnowStack,
+    method: Method,
+}
+
+impl Search<'_> {
+    fn find(&self, incidence: Incidence, wavelengths_nm: &[f64]) -> Result<Vec<Albedo>, Failure> {
+        let Self { arguments, progress, stack, method } = *self;
+        let theory = match method {
+            Method::Homogeneous | Method::Grains => {
+                let settings = AlbedoSettings {
+                    wavelengths_nm: wavelengths_nm.to_vec(),
+                    incidence,
+                    standard_error: arguments.stderr,
+                    ..snow::search(&arguments.search)
+                };
+                let mut tell = |paths: u64, done: f64| {
+                    progress.detail(&format!("{} paths, {:.0} %", grouped(paths), 100.0 * done));
+                };
+                if method == Method::Homogeneous {
+                    return Ok(homogeneous_albedo(stack, &settings, &mut tell));
+                }
+                let mut layer = GrainLayer::new(stack, settings.seed)?;
+                return Ok(grain_albedo(stack, &mut layer, &settings, &mut tell));
+            }
+            Method::WiscombeWarren => Theory::WiscombeWarren,
+            Method::TwoStream => Theory::TwoStream,
+            Method::KokhanovskyZege => Theory::KokhanovskyZege,
+            Method::BohrenBarkstrom => Theory::BohrenBarkstrom,
+        };
+        let polarisation = arguments.search.polarisation.into();
+        let each = wavelengths_nm.iter().map(|&wavelength_nm| {
+            theoretical_albedo(theory, stack, incidence, polarisation, wavelength_nm)
+        });
+        each.collect::<Option<Vec<Albedo>>>().ok_or_else(|| {
+            let covers = match theory {
+                Theory::BohrenBarkstrom => "one layer of infinite depth under diffuse light",
+                Theory::WiscombeWarren | Theory::TwoStream | Theory::KokhanovskyZege => "one layer",
+            };
+            Failure::usage(format!(
+                "{} covers {covers} only; use --method homogeneous",
+                name(method)
+            ))
+        })
+    }
 }
 
 fn name(method: Method) -> &'static str {
@@ -122,21 +182,22 @@ fn name(method: Method) -> &'static str {
     }
 }
 
-fn row(stack: &SnowStack, incidence: Incidence, method: Method, albedo: &Albedo) -> Vec<Cell> {
+fn row(stack: &SnowStack, incidence: Incidence, method: Method, part: &Part) -> Vec<Cell> {
+    let [reflectance, transmittance] = part.fluxes;
     vec![
         Cell::Word(name(method).into()),
-        Cell::Number(albedo.wavelength_nm),
+        part.of.clone(),
         snow::radius_um(stack),
         match incidence {
             Incidence::Diffuse => Cell::Word("diffuse".into()),
             Incidence::Sun { zenith_degrees } => Cell::Number(zenith_degrees),
         },
         snow::depth_m(stack),
-        Cell::Number(albedo.reflectance.mean),
-        Cell::Number(albedo.reflectance.standard_error),
-        Cell::Number(albedo.transmittance.mean),
-        Cell::Number(albedo.transmittance.standard_error),
-        Cell::Number(albedo.absorptance),
+        Cell::Number(reflectance.mean),
+        Cell::Number(reflectance.standard_error),
+        Cell::Number(transmittance.mean),
+        Cell::Number(transmittance.standard_error),
+        Cell::Number(part.absorptance),
         snow::density(stack),
         Cell::Number(stack.ground_albedo),
         snow::impurities(stack),
