@@ -5,12 +5,14 @@
 //! Every comparison allows the tables' tolerance or four standard errors; the seeds are fixed.
 //! `SNOWGRAIN_FULL=1` compares whole tables (`tests/README.md`).
 
+use snowgrain_math::trig;
 use snowgrain_optics::colour::chromaticity;
 use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, ImpurityKind, Load};
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
     Albedo, AlbedoSettings, GrainLayer, Incidence, Polarisation, SnowLayer, SnowStack, Theory,
-    colour_wavelengths_nm, colours, grain_albedo, homogeneous_albedo, theoretical_albedo,
+    colour_wavelengths_nm, colours, flux_profile, grain_albedo, homogeneous_albedo,
+    theoretical_albedo,
 };
 
 const DENSITY: f64 = 300.0;
@@ -230,6 +232,37 @@ fn grains_at_random_places_transmit_what_an_independent_program_found() {
         let homogeneous = find(&stack, &settings)[0].transmittance;
         assert!(homogeneous.mean + 3.0 * homogeneous.standard_error < exact.transmittance.mean);
     }
+}
+
+/// `efolding_depth.csv`, column efold_mm_p2016 (r = 500 um): within 3 %, from the first depth where light
+/// is diffuse.
+#[test]
+fn light_in_snow_falls_off_as_fast_as_discrete_ordinates_say() {
+    let cases = [(600.0, 251.7), (700.0, 121.413), (800.0, 60.5905), (900.0, 36.3846)];
+    let stack = layer(500.0, f64::INFINITY);
+    let depths = [0.0, 0.02, 0.08];
+    let settings = AlbedoSettings {
+        standard_error: 0.01,
+        relative_error_of_transmittance: 0.005,
+        most_paths: 1_000_000,
+        ..settings(cases.iter().map(|case| case.0).collect(), Incidence::Diffuse)
+    };
+    let profiles = flux_profile(&stack, &depths, &settings, &mut |_, _| ()).expect("one layer");
+    let albedos = find(&stack, &AlbedoSettings { standard_error: 0.002, ..settings });
+    for (((wavelength, expected), fluxes), albedo) in cases.iter().zip(&profiles).zip(&albedos) {
+        let fold = 60.0 / trig::ln(fluxes[1].down.mean / fluxes[2].down.mean);
+        assert!((fold / expected - 1.0).abs() < 0.03, "{wavelength} nm: {fold} mm");
+        assert_eq!(fluxes[0].down.mean, 1.0);
+        let errors = fluxes[0].up.standard_error + albedo.reflectance.standard_error;
+        let off = fluxes[0].up.mean - albedo.reflectance.mean;
+        assert!(off.abs() < 4.0 * errors, "{wavelength} nm: {off} {errors}");
+    }
+    let ground = SnowStack { ground_albedo: 0.5, ..stack };
+    let none = AlbedoSettings {
+        wavelengths_nm: vec![600.0],
+        ..self::settings(vec![], Incidence::Diffuse)
+    };
+    assert!(flux_profile(&ground, &depths, &none, &mut |_, _| ()).is_none());
 }
 
 /// Layers of the same snow are one layer; a clean layer over a sooty one lies between both; a ground

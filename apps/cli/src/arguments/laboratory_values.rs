@@ -61,6 +61,18 @@ impl FromStr for Depth {
     }
 }
 
+/// A depth below the surface, metres; 0 is the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DepthBelow(pub(crate) f64);
+
+impl FromStr for DepthBelow {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "0" { Ok(Self(0.0)) } else { length(text).map(Self) }
+    }
+}
+
 /// An impurity and the loads of it that are asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ImpurityLoads(pub(crate) Vec<Impurity>);

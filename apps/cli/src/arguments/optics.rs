@@ -1,6 +1,6 @@
 //! `snowgrain optics` as typed.
 
-use super::laboratory_values::{Depth, ImpurityLoads, Wavelengths};
+use super::laboratory_values::{Depth, DepthBelow, ImpurityLoads, Wavelengths};
 use super::{MachineArguments, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_optics::sphere::Polarisation;
@@ -21,6 +21,7 @@ pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
     Colour(Box<ColourArguments>),
     Phase(PhaseArguments),
+    Profile(Box<ProfileArguments>),
 }
 
 /// Spectral reflectance, transmittance and absorptance of flat layers of snow.
@@ -154,6 +155,40 @@ pub(crate) struct PhaseArguments {
     /// Writes it to a file instead
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+/// Fluxes inside snow: how much of the light goes down and up at depths below the surface.
+///
+/// One layer over a black ground, grains met at random. Fluxes are parts of the light that falls on
+/// the snow. efold_m is the depth over which the downward flux falls to 1/e, from this depth to the
+/// next; it no longer changes once the light is diffuse.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("grains").required(true).args(["radius", "ssa", "layers"]))]
+#[command(after_help = "Example:\n  \
+    snowgrain optics profile --radius 500um --at 0,1cm,5cm,10cm,20cm --wavelengths 600,800")]
+pub(crate) struct ProfileArguments {
+    #[command(flatten)]
+    pub(crate) snow: SnowArguments,
+
+    /// Depths below the surface, from the top down, as 0,1cm,5cm
+    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',', required = true)]
+    pub(crate) at: Vec<DepthBelow>,
+
+    /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "400:900:100")]
+    pub(crate) wavelengths: Wavelengths,
+
+    /// Parallel light at this zenith angle, degrees [default: light from all of the sky alike]
+    #[arg(long, value_name = "DEGREES", value_parser = laboratory_values::zenith)]
+    pub(crate) sza: Option<f64>,
+
+    /// Standard error of each downward flux to reach; 1 % of it as well
+    #[arg(long, value_name = "ERROR", default_value_t = 0.005,
+          value_parser = laboratory_values::standard_error)]
+    pub(crate) stderr: f64,
+
+    #[command(flatten)]
+    pub(crate) search: SearchArguments,
 }
 
 /// Layers of snow.

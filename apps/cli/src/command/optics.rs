@@ -3,6 +3,7 @@
 mod albedo;
 mod colour;
 mod phase;
+mod profile;
 mod snow;
 mod swatches;
 mod table;
@@ -15,5 +16,6 @@ pub(super) fn run(arguments: &OpticsArguments) -> Result<u8, Failure> {
         OpticsKind::Albedo(arguments) => albedo::run(arguments),
         OpticsKind::Colour(arguments) => colour::run(arguments),
         OpticsKind::Phase(arguments) => phase::run(arguments),
+        OpticsKind::Profile(arguments) => profile::run(arguments),
     }
 }

@@ -155,6 +155,30 @@ fn grains_are_traced_where_a_pack_of_them_can_be_made() {
 }
 
 #[test]
+fn light_falls_off_inside_snow() {
+    let place = Workplace::new();
+    let run = |more: &[&str]| {
+        let grains = ["optics", "profile", "--radius", "500um", "--wavelengths", "800", "-q"];
+        place.run(&[&grains[..], &["--stderr", "0.05"], more].concat())
+    };
+    let ended = run(&["--at", "0,1cm,4cm", "--sza", "40"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = rows(&ended.stdout);
+    let number = |row: usize, column: usize| table[row][column].parse::<f64>().unwrap();
+    assert_eq!((table.len(), number(0, 4), table[2][8]), (3, 1.0, ""));
+    assert!(number(0, 6) > 0.6 && number(1, 4) > number(2, 4) && number(2, 4) > number(2, 6));
+    assert!((0.02..0.2).contains(&number(1, 8)), "{table:?}");
+    for (more, told) in [
+        (vec!["--at", "2cm,1cm"], "from the top down"),
+        (vec!["--at", "2cm", "--depth", "1cm"], "below the snow"),
+        (vec!["--at", "1cm", "--ground", "0.5"], "black ground"),
+    ] {
+        let ended = run(&more);
+        assert!(ended.code == Some(2) && ended.stderr.contains(told), "{more:?} {}", ended.stderr);
+    }
+}
+
+#[test]
 fn colours_come_from_above_and_below_with_a_picture() {
     let place = Workplace::new();
     let ended = place.run(&[

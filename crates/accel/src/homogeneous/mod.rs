@@ -37,6 +37,8 @@ pub struct HomogeneousLayers {
     pub polarisation: Polarisation,
     /// Optical depth of the bottom of each layer, increasing; the last may be infinite.
     pub bottoms: Vec<f32>,
+    /// Optical depths of level planes at which paths are seen to cross; mostly none.
+    pub planes: Vec<f32>,
     /// Direction of the light.
     pub illumination: Illumination,
     /// Seed.
@@ -73,8 +75,21 @@ pub struct HomogeneousPath<'a> {
     pub grain_visits: u32,
 }
 
-/// Follows the paths numbered `paths` on this thread and shows each end to `ended`, in an order that
-/// depends on the numbers only.
+/// A path that crosses a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HomogeneousCrossing<'a> {
+    /// Index of the plane.
+    pub plane: usize,
+    /// Whether it goes down.
+    pub downwards: bool,
+    /// What it counts.
+    pub weight: f32,
+    /// Length in the ice of each layer so far, in radii of its grains.
+    pub ice_lengths: &'a [f64],
+}
+
+/// Follows the paths numbered `paths` on this thread and shows each end to `ended`, and each crossing
+/// of a plane to `crossed`, in an order that depends on the numbers only.
 ///
 /// # Panics
 /// If there are no layers, too many, or not as many absorptions; if the machine lacks `level`.
@@ -83,11 +98,12 @@ pub fn trace_homogeneous(
     level: SimdLevel,
     paths: Range<u64>,
     ended: &mut impl FnMut(HomogeneousPath<'_>),
+    crossed: &mut impl FnMut(HomogeneousCrossing<'_>),
 ) {
     let count = layers.bottoms.len();
     assert!((1..=MOST_LAYERS).contains(&count) && count == layers.least_absorption.len());
     let level = level.token().expect("the SIMD level was checked when it was chosen");
-    dispatch!(level, simd => paths::trace(simd, layers, paths, ended));
+    dispatch!(level, simd => paths::trace(simd, layers, paths, ended, crossed));
 }
 
 #[cfg(test)]

@@ -1,7 +1,10 @@
 //! Sixteen paths and their steps.
 
 use super::arithmetic::{cos_of_turn, ln};
-use super::{HomogeneousEnd, HomogeneousLayers, HomogeneousPath, Illumination, MOST_LAYERS};
+use super::{
+    HomogeneousCrossing, HomogeneousEnd, HomogeneousLayers, HomogeneousPath, Illumination,
+    MOST_LAYERS,
+};
 use crate::flight::random::{NEXT_EVENT, hashed, prepared, unit_interval};
 use crate::flight::vector::{F, M, W, WIDTH};
 use fearless_simd::prelude::*;
@@ -45,6 +48,7 @@ pub(super) fn trace<S: Simd>(
     layers: &HomogeneousLayers,
     mut todo: Range<u64>,
     ended: &mut impl FnMut(HomogeneousPath<'_>),
+    crossed: &mut impl FnMut(HomogeneousCrossing<'_>),
 ) {
     let bottom = layers.bottoms.last().copied().unwrap_or(0.0);
     let constants = Constants { layers, eta: layers.eta as f32, bottom };
@@ -64,7 +68,7 @@ pub(super) fn trace<S: Simd>(
         paths.start(lane, layers, &mut todo);
     }
     while paths.flying != 0 {
-        let mut done = step(simd, &constants, &mut paths);
+        let mut done = step(simd, &constants, &mut paths, crossed);
         while done != 0 {
             let lane = done.trailing_zeros() as usize;
             done &= done - 1;
@@ -137,24 +141,52 @@ impl Paths {
         layers: &HomogeneousLayers,
         ended: &mut impl FnMut(HomogeneousPath<'_>),
     ) {
-        let mut lengths = [0.0; MOST_LAYERS];
-        let count = layers.bottoms.len();
-        for (layer, length) in lengths[..count].iter_mut().enumerate() {
-            *length = self.much_ice[layer][lane] + f64::from(self.ice[layer][lane]);
-        }
         ended(HomogeneousPath {
             end,
-            weight: (1u64 << self.doublings[lane].min(62)) as f32,
+            weight: self.weight(lane),
             cos_theta: self.cos_theta[lane],
-            ice_lengths: &lengths[..count],
+            ice_lengths: &self.ice_lengths(lane)[..layers.bottoms.len()],
             grain_visits: self.visits[lane],
         });
+    }
+
+    fn weight(&self, lane: usize) -> f32 {
+        (1u64 << self.doublings[lane].min(62)) as f32
+    }
+
+    fn ice_lengths(&self, lane: usize) -> [f64; MOST_LAYERS] {
+        std::array::from_fn(|layer| self.much_ice[layer][lane] + f64::from(self.ice[layer][lane]))
+    }
+
+    /// Shows the paths `which` that went through a plane.
+    fn show_crossings(
+        &self,
+        mut which: u32,
+        (plane, layers): (usize, &HomogeneousLayers),
+        crossed: &mut impl FnMut(HomogeneousCrossing<'_>),
+    ) {
+        which &= self.flying;
+        while which != 0 {
+            let lane = which.trailing_zeros() as usize;
+            which &= which - 1;
+            crossed(HomogeneousCrossing {
+                plane,
+                downwards: self.cos_theta[lane] > 0.0,
+                weight: self.weight(lane),
+                ice_lengths: &self.ice_lengths(lane)[..layers.bottoms.len()],
+            });
+        }
     }
 }
 
 /// One free path and one grain for each path; the set of those that must be looked at.
 #[inline(always)]
-fn step<S: Simd>(simd: S, constants: &Constants<'_>, paths: &mut Paths) -> u32 {
+fn step<S: Simd>(
+    simd: S,
+    constants: &Constants<'_>,
+    paths: &mut Paths,
+    crossed: &mut impl FnMut(HomogeneousCrossing<'_>),
+) -> u32 {
     let splat = |v: f32| F::<S>::splat(simd, v);
     let (zero, one) = (splat(0.0), splat(1.0));
     let key = [W::<S>::from_slice(simd, &paths.key[0]), W::<S>::from_slice(simd, &paths.key[1])];
@@ -165,8 +197,17 @@ fn step<S: Simd>(simd: S, constants: &Constants<'_>, paths: &mut Paths) -> u32 {
     // 1. The free path.
     let cos_theta = F::<S>::from_slice(simd, &paths.cos_theta);
     let free = zero - ln(simd, one - unit_interval(simd, a));
-    let depth = F::<S>::from_slice(simd, &paths.depth) + cos_theta * free;
+    let before = F::<S>::from_slice(simd, &paths.depth);
+    let depth = before + cos_theta * free;
     depth.store_slice(&mut paths.depth);
+    for (plane, &at) in constants.layers.planes.iter().enumerate() {
+        let at_plane = splat(at);
+        let through = before.simd_lt(at_plane) ^ depth.simd_lt(at_plane);
+        let through = through.to_bitmask() as u32;
+        if through != 0 {
+            paths.show_crossings(through, (plane, constants.layers), crossed);
+        }
+    }
     let inside = depth.simd_ge(zero) & depth.simd_le(splat(constants.bottom));
 
     // 2. The grain, and the angle by which it turns the path.

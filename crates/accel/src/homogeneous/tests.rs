@@ -8,6 +8,7 @@ fn slab(depth: f32, illumination: Illumination) -> HomogeneousLayers {
         eta: 1.31,
         polarisation: Polarisation::Redrawn,
         bottoms: vec![depth],
+        planes: Vec::new(),
         illumination,
         seed: 0,
         least_absorption: vec![0.0],
@@ -24,16 +25,22 @@ struct Sums {
 
 fn sums(layers: &HomogeneousLayers, paths: u64) -> Sums {
     let mut sums = Sums::default();
-    trace_homogeneous(layers, SimdLevel::detect(), 0..paths, &mut |path| {
-        let weight = f64::from(path.weight);
-        match path.end {
-            HomogeneousEnd::Reflected => sums.reflected += weight,
-            HomogeneousEnd::Transmitted => sums.transmitted += weight,
-            HomogeneousEnd::GivenUp => (),
-        }
-        sums.visits += f64::from(path.grain_visits);
-        sums.ice += path.ice_lengths.iter().sum::<f64>();
-    });
+    trace_homogeneous(
+        layers,
+        SimdLevel::detect(),
+        0..paths,
+        &mut |path| {
+            let weight = f64::from(path.weight);
+            match path.end {
+                HomogeneousEnd::Reflected => sums.reflected += weight,
+                HomogeneousEnd::Transmitted => sums.transmitted += weight,
+                HomogeneousEnd::GivenUp => (),
+            }
+            sums.visits += f64::from(path.grain_visits);
+            sums.ice += path.ice_lengths.iter().sum::<f64>();
+        },
+        &mut |_| (),
+    );
     let n = paths as f64;
     Sums {
         reflected: sums.reflected / n,
@@ -67,15 +74,21 @@ fn roulette_changes_no_mean() {
     let thinned = HomogeneousLayers { least_absorption: vec![absorption], ..all.clone() };
     let light = |layers: &HomogeneousLayers| {
         let (mut sum, mut squares, mut visits, paths) = (0.0, 0.0, 0.0, 100_000);
-        trace_homogeneous(layers, SimdLevel::detect(), 0..paths, &mut |path| {
-            visits += f64::from(path.grain_visits);
-            if path.end != HomogeneousEnd::GivenUp {
-                let left = trig::exp(-f64::from(absorption) * path.ice_lengths[0]);
-                let light = f64::from(path.weight) * left;
-                sum += light;
-                squares += light * light;
-            }
-        });
+        trace_homogeneous(
+            layers,
+            SimdLevel::detect(),
+            0..paths,
+            &mut |path| {
+                visits += f64::from(path.grain_visits);
+                if path.end != HomogeneousEnd::GivenUp {
+                    let left = trig::exp(-f64::from(absorption) * path.ice_lengths[0]);
+                    let light = f64::from(path.weight) * left;
+                    sum += light;
+                    squares += light * light;
+                }
+            },
+            &mut |_| (),
+        );
         let n = paths as f64;
         let mean = sum / n;
         (mean, ((squares / n - mean * mean) / n).sqrt(), visits / n)
@@ -97,18 +110,24 @@ fn paths_are_the_same_at_every_simd_level_and_in_any_division() {
     let ends = |level: SimdLevel, cuts: &[u64]| {
         let mut ends = Vec::new();
         for cut in cuts.windows(2) {
-            trace_homogeneous(&layers, level, cut[0]..cut[1], &mut |path| {
-                let ice =
-                    path.ice_lengths.iter().map(|length| length.to_bits()).collect::<Vec<_>>();
-                let cos_theta = path.cos_theta.to_bits();
-                ends.push((
-                    path.end as u8,
-                    path.weight.to_bits(),
-                    cos_theta,
-                    ice,
-                    path.grain_visits,
-                ));
-            });
+            trace_homogeneous(
+                &layers,
+                level,
+                cut[0]..cut[1],
+                &mut |path| {
+                    let ice =
+                        path.ice_lengths.iter().map(|length| length.to_bits()).collect::<Vec<_>>();
+                    let cos_theta = path.cos_theta.to_bits();
+                    ends.push((
+                        path.end as u8,
+                        path.weight.to_bits(),
+                        cos_theta,
+                        ice,
+                        path.grain_visits,
+                    ));
+                },
+                &mut |_| (),
+            );
         }
         ends.sort();
         ends

@@ -109,7 +109,7 @@ enum Way<'w> {
 }
 
 /// Indices of the wavelengths, by the absorption of the top layer that they meet.
-fn bands(stack: &SnowStack, wavelengths_nm: &[f64]) -> Vec<Vec<usize>> {
+pub(super) fn bands(stack: &SnowStack, wavelengths_nm: &[f64]) -> Vec<Vec<usize>> {
     let absorption: Vec<f64> = wavelengths_nm
         .iter()
         .map(|&wavelength| {
@@ -243,32 +243,6 @@ impl Runs {
     }
 
     fn trace_homogeneous(&mut self, stack: &SnowStack, settings: &AlbedoSettings, more: u64) {
-        let mut bottom = 0.0;
-        let bottoms: Vec<f32> = self
-            .layers
-            .iter()
-            .map(|layer| {
-                bottom += layer.optical_depth();
-                bottom as f32
-            })
-            .collect();
-        let least_absorption: Vec<f32> = self
-            .layers
-            .iter()
-            .map(|layer| {
-                let wavelengths = settings.wavelengths_nm.iter();
-                let least = wavelengths
-                    .map(|&wavelength| layer.absorption_per_metre(stack.ice, wavelength))
-                    .fold(f64::INFINITY, f64::min);
-                (least * layer.radius) as f32
-            })
-            .collect();
-        let illumination = match settings.incidence {
-            Incidence::Diffuse => Illumination::Diffuse,
-            Incidence::Sun { zenith_degrees } => {
-                Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
-            }
-        };
         let first = self.paths;
         let tasks: Vec<(usize, u64)> = (0..self.nodes.len())
             .flat_map(|node| (0..more.div_ceil(PATHS_PER_TASK)).map(move |task| (node, task)))
@@ -279,23 +253,22 @@ impl Runs {
             .map(|(node, task)| {
                 let from = first + task * PATHS_PER_TASK;
                 let until = (from + PATHS_PER_TASK).min(first + more);
-                let layers = HomogeneousLayers {
-                    eta: self.nodes[node],
-                    polarisation: settings.polarisation,
-                    bottoms: bottoms.clone(),
-                    illumination,
-                    seed: settings.seed,
-                    least_absorption: least_absorption.clone(),
-                };
+                let layers = layers_for(&self.layers, stack, settings, self.nodes[node]);
                 let mut ends = Ends::of(count);
-                trace_homogeneous(&layers, settings.level, from..until, &mut |path| {
-                    let below = match path.end {
-                        HomogeneousEnd::Reflected => false,
-                        HomogeneousEnd::Transmitted => true,
-                        HomogeneousEnd::GivenUp => return,
-                    };
-                    ends.add(path.weight, below, path.ice_lengths);
-                });
+                trace_homogeneous(
+                    &layers,
+                    settings.level,
+                    from..until,
+                    &mut |path| {
+                        let below = match path.end {
+                            HomogeneousEnd::Reflected => false,
+                            HomogeneousEnd::Transmitted => true,
+                            HomogeneousEnd::GivenUp => return,
+                        };
+                        ends.add(path.weight, below, path.ice_lengths);
+                    },
+                    &mut |_| (),
+                );
                 (node, ends)
             })
             .collect();
@@ -322,6 +295,48 @@ impl Runs {
             }
         }
         found
+    }
+}
+
+/// The layers as the kernel wants them, from where light enters on.
+pub(super) fn layers_for(
+    layers: &[SnowLayer],
+    stack: &SnowStack,
+    settings: &AlbedoSettings,
+    eta: f64,
+) -> HomogeneousLayers {
+    let mut bottom = 0.0;
+    let bottoms: Vec<f32> = layers
+        .iter()
+        .map(|layer| {
+            bottom += layer.optical_depth();
+            bottom as f32
+        })
+        .collect();
+    let least_absorption: Vec<f32> = layers
+        .iter()
+        .map(|layer| {
+            let wavelengths = settings.wavelengths_nm.iter();
+            let least = wavelengths
+                .map(|&wavelength| layer.absorption_per_metre(stack.ice, wavelength))
+                .fold(f64::INFINITY, f64::min);
+            (least * layer.radius) as f32
+        })
+        .collect();
+    let illumination = match settings.incidence {
+        Incidence::Diffuse => Illumination::Diffuse,
+        Incidence::Sun { zenith_degrees } => {
+            Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
+        }
+    };
+    HomogeneousLayers {
+        eta,
+        polarisation: settings.polarisation,
+        bottoms,
+        planes: Vec::new(),
+        illumination,
+        seed: settings.seed,
+        least_absorption,
     }
 }
 

@@ -10,6 +10,7 @@ mod colour;
 mod grains;
 mod lengths;
 mod nodes;
+mod profile;
 mod snow;
 
 pub use albedo::{
@@ -18,6 +19,7 @@ pub use albedo::{
 pub use broadband::{Band, broadband, broadband_wavelengths_nm};
 pub use colour::{colour_wavelengths_nm, colours};
 pub use grains::GrainLayer;
+pub use profile::{Flux, flux_profile};
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::MOST_LAYERS;
 pub use snowgrain_optics::sphere::Polarisation;

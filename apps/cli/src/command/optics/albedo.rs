@@ -188,10 +188,7 @@ fn row(stack: &SnowStack, incidence: Incidence, method: Method, part: &Part) -> 
         Cell::Word(name(method).into()),
         part.of.clone(),
         snow::radius_um(stack),
-        match incidence {
-            Incidence::Diffuse => Cell::Word("diffuse".into()),
-            Incidence::Sun { zenith_degrees } => Cell::Number(zenith_degrees),
-        },
+        snow::zenith(incidence),
         snow::depth_m(stack),
         Cell::Number(reflectance.mean),
         Cell::Number(reflectance.standard_error),

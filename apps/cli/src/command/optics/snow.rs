@@ -71,6 +71,13 @@ pub(super) fn radius_um(stack: &SnowStack) -> Cell {
     of_layer(stack, |layer| Cell::Number(layer.radius * 1e6))
 }
 
+pub(super) fn zenith(incidence: Incidence) -> Cell {
+    match incidence {
+        Incidence::Diffuse => Cell::Word("diffuse".into()),
+        Incidence::Sun { zenith_degrees } => Cell::Number(zenith_degrees),
+    }
+}
+
 pub(super) fn density(stack: &SnowStack) -> Cell {
     of_layer(stack, |layer| Cell::Number(layer.density))
 }

@@ -1,0 +1,98 @@
+//! `snowgrain optics profile`.
+
+use super::snow;
+use super::table::{Cell, Table};
+use crate::arguments::ProfileArguments;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::threads::pool;
+use snowgrain_render::laboratory::{AlbedoSettings, Flux, Incidence, SnowStack, flux_profile};
+
+/// Standard error of a downward flux, as a part of it.
+const RELATIVE_ERROR: f64 = 0.01;
+
+const COLUMNS: [&str; 12] = [
+    "wavelength_nm",
+    "radius_um",
+    "sza_deg",
+    "z_m",
+    "down",
+    "down_stderr",
+    "up",
+    "up_stderr",
+    "efold_m",
+    "depth_m",
+    "density_kg_m3",
+    "impurities",
+];
+
+pub(super) fn run(arguments: &ProfileArguments) -> Result<u8, Failure> {
+    let progress = Progress::new(arguments.search.quiet, false);
+    let pool = pool(&arguments.search.machine)?;
+    let stacks = snow::stacks(&arguments.snow)?;
+    let incidence = arguments
+        .sza
+        .map_or(Incidence::Diffuse, |zenith_degrees| Incidence::Sun { zenith_degrees });
+    let depths: Vec<f64> = arguments.at.iter().map(|depth| depth.0).collect();
+    if !depths.is_sorted_by(|a, b| a < b) {
+        return Err(Failure::usage("--at: write depths from the top down, each once"));
+    }
+    let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
+    for (index, stack) in stacks.iter().enumerate() {
+        progress.stage(&format!("case {} of {}", index + 1, stacks.len()));
+        let within = stack.layers.first().map_or(0.0, |layer| layer.depth);
+        if let Some(depth) = depths.iter().find(|&&depth| depth > within) {
+            let reason = format!("--at: {depth} m lies below the snow, which is {within} m deep");
+            return Err(Failure::usage(reason));
+        }
+        let settings = AlbedoSettings {
+            wavelengths_nm: arguments.wavelengths.0.clone(),
+            incidence,
+            standard_error: arguments.stderr,
+            relative_error_of_transmittance: RELATIVE_ERROR,
+            ..snow::search(&arguments.search)
+        };
+        let find = || flux_profile(stack, &depths, &settings, &mut |_, _| ());
+        let profiles = pool.install(find).ok_or_else(|| {
+            Failure::usage("profiles are of one layer over a black ground; leave --ground out")
+        })?;
+        for (wavelength, fluxes) in arguments.wavelengths.0.iter().zip(&profiles) {
+            let rows = rows(stack, incidence, &depths, fluxes);
+            table.rows.extend(rows.map(|row| [vec![Cell::Number(*wavelength)], row].concat()));
+        }
+    }
+    progress.finish();
+    table.tell(&arguments.search)?;
+    Ok(0)
+}
+
+/// A line for each depth, without its wavelength.
+fn rows<'a>(
+    stack: &'a SnowStack,
+    incidence: Incidence,
+    depths: &'a [f64],
+    fluxes: &'a [Flux],
+) -> impl Iterator<Item = Vec<Cell>> + 'a {
+    let fold = |index: usize| {
+        let (Some(next), Some(flux)) = (depths.get(index + 1), fluxes.get(index + 1)) else {
+            return f64::NAN;
+        };
+        let fall = fluxes[index].down.mean / flux.down.mean;
+        (next - depths[index]) / snowgrain_math::trig::ln(fall)
+    };
+    depths.iter().zip(fluxes).enumerate().map(move |(index, (depth, flux))| {
+        vec![
+            snow::radius_um(stack),
+            snow::zenith(incidence),
+            Cell::Number(*depth),
+            Cell::Number(flux.down.mean),
+            Cell::Number(flux.down.standard_error),
+            Cell::Number(flux.up.mean),
+            Cell::Number(flux.up.standard_error),
+            Cell::Number(fold(index)),
+            snow::depth_m(stack),
+            snow::density(stack),
+            snow::impurities(stack),
+        ]
+    })
+}

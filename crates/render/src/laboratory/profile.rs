@@ -1,0 +1,142 @@
+//! Light inside snow: how much of it goes down and up at a depth.
+
+use super::albedo::{bands, layers_for};
+use super::lengths::LengthHistogram;
+use super::nodes::{nodes_for, weights_at};
+use super::{AlbedoSettings, SnowStack};
+use crate::measure::Estimate;
+use rayon::prelude::*;
+use snowgrain_accel::homogeneous::trace_homogeneous;
+use snowgrain_optics::ice;
+
+/// Paths that are counted together; the differences between such counts give the errors.
+const PATHS_PER_TASK: u64 = 1 << 10;
+/// Tasks of the first round.
+const FIRST_TASKS: u64 = 16;
+
+/// Fluxes through a level plane, in parts of the light that falls on the snow.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flux {
+    /// Downwards.
+    pub down: Estimate,
+    /// Upwards.
+    pub up: Estimate,
+}
+
+/// Fluxes at depths below the surface (metres, within the layer) for each wavelength of the settings,
+/// in one layer over a black ground, by Monte Carlo as [`super::homogeneous_albedo`]. Where the light
+/// falls on the snow, at depth 0, down is 1 and up the albedo.
+///
+/// Paths are traced until each downward flux is known to the standard error of the settings, and to
+/// their relative error, or too many are. `None` for several layers or a ground that reflects.
+#[must_use]
+pub fn flux_profile(
+    stack: &SnowStack,
+    depths: &[f64],
+    settings: &AlbedoSettings,
+    progress: &mut dyn FnMut(u64, f64),
+) -> Option<Vec<Vec<Flux>>> {
+    if stack.layers.len() != 1 || stack.ground_albedo > 0.0 {
+        return None;
+    }
+    let mut found = vec![Vec::new(); settings.wavelengths_nm.len()];
+    for band in bands(stack, &settings.wavelengths_nm) {
+        let wavelengths_nm = band.iter().map(|&index| settings.wavelengths_nm[index]).collect();
+        let settings = AlbedoSettings { wavelengths_nm, ..settings.clone() };
+        let search = Search { stack, depths, settings: &settings };
+        for (index, fluxes) in band.iter().zip(search.run(progress)) {
+            found[*index] = fluxes;
+        }
+    }
+    Some(found)
+}
+
+struct Search<'a> {
+    stack: &'a SnowStack,
+    depths: &'a [f64],
+    settings: &'a AlbedoSettings,
+}
+
+impl Search<'_> {
+    /// Of each wavelength the fluxes at all depths.
+    fn run(&self, progress: &mut dyn FnMut(u64, f64)) -> Vec<Vec<Flux>> {
+        let nodes = nodes_for(&self.settings.wavelengths_nm);
+        let mut sums: Vec<[f64; 2]> = Vec::new();
+        let (mut tasks, mut next) = (0, FIRST_TASKS);
+        loop {
+            let parts: Vec<Vec<f64>> =
+                (tasks..tasks + next).into_par_iter().map(|task| self.task(&nodes, task)).collect();
+            sums.resize(parts[0].len(), [0.0; 2]);
+            for part in &parts {
+                for (sum, value) in sums.iter_mut().zip(part) {
+                    *sum = [sum[0] + value, sum[1] + value * value];
+                }
+            }
+            tasks += next;
+            let n = tasks as f64;
+            let estimate = |[sum, squares]: [f64; 2]| {
+                let mean = sum / n;
+                let variance = (squares / n - mean * mean).max(0.0);
+                Estimate { mean, standard_error: (variance / (n - 1.0)).sqrt() }
+            };
+            let fluxes: Vec<Flux> = sums
+                .chunks_exact(2)
+                .map(|pair| Flux { down: estimate(pair[0]), up: estimate(pair[1]) })
+                .collect();
+            let worst = fluxes.iter().map(|flux| self.error_to_reach(flux)).fold(0.0, f64::max);
+            progress(tasks * PATHS_PER_TASK, (1.0 / (worst * worst)).min(1.0));
+            if worst <= 1.0 || tasks * PATHS_PER_TASK >= self.settings.most_paths {
+                let each = self.depths.len().max(1);
+                return fluxes.chunks(each).map(<[Flux]>::to_vec).collect();
+            }
+            next = ((n * (1.05 * worst * worst - 1.0).clamp(0.1, 2.0)) as u64).max(1);
+        }
+    }
+
+    fn error_to_reach(&self, flux: &Flux) -> f64 {
+        let error = flux.down.standard_error;
+        let wanted = self.settings.relative_error_of_transmittance * flux.down.mean;
+        let relative = if wanted > 0.0 { error / wanted } else { 0.0 };
+        (error / self.settings.standard_error).max(relative)
+    }
+
+    /// Mean fluxes of the paths of a task: down and up, depth by depth, wavelength by wavelength.
+    fn task(&self, nodes: &[f64], task: u64) -> Vec<f64> {
+        let layer = &self.stack.layers[0];
+        let (wavelengths, depths) = (&self.settings.wavelengths_nm, self.depths.len());
+        let mut values = vec![0.0; wavelengths.len() * depths * 2];
+        let weights: Vec<Vec<f64>> = wavelengths
+            .iter()
+            .map(|&wavelength| weights_at(nodes, ice::refractive_index(wavelength)))
+            .collect();
+        for (node, &eta) in nodes.iter().enumerate() {
+            let mut layers = layers_for(&self.stack.layers, self.stack, self.settings, eta);
+            let extinction = layer.extinction_per_metre();
+            layers.planes = self.depths.iter().map(|depth| (extinction * depth) as f32).collect();
+            let mut crossings = vec![LengthHistogram::default(); depths * 2];
+            let paths = task * PATHS_PER_TASK..(task + 1) * PATHS_PER_TASK;
+            trace_homogeneous(&layers, self.settings.level, paths, &mut |_| (), &mut |crossing| {
+                let at = 2 * crossing.plane + usize::from(!crossing.downwards);
+                crossings[at].add(crossing.weight.into(), crossing.ice_lengths[0]);
+            });
+            for (index, &wavelength) in wavelengths.iter().enumerate() {
+                let absorption =
+                    layer.absorption_per_metre(self.stack.ice, wavelength) * layer.radius;
+                let values = &mut values[index * depths * 2..(index + 1) * depths * 2];
+                for (value, crossings) in values.iter_mut().zip(&crossings) {
+                    *value +=
+                        weights[index][node] * crossings.light(absorption, PATHS_PER_TASK).mean;
+                }
+            }
+        }
+        // Paths begin at the surface: they do not cross it when they enter.
+        for values in values.chunks_exact_mut(2 * depths.max(1)) {
+            for (pair, _) in
+                values.chunks_exact_mut(2).zip(self.depths).filter(|(_, depth)| **depth == 0.0)
+            {
+                pair[0] = 1.0;
+            }
+        }
+        values
+    }
+}
