@@ -309,6 +309,16 @@ fn layers_and_grounds_add_up() {
     assert!(sooty + 0.02 < covered && covered + 0.02 < clean, "{sooty} {covered} {clean}");
 }
 
+/// Nothing seen is not known to be nothing; below deep snow it is.
+#[test]
+fn darkness_has_an_error_too() {
+    let settings = settings(vec![1290.0], Incidence::Diffuse);
+    let below = |depth: f64| find(&layer(1000.0, depth), &settings)[0].transmittance;
+    let (deep, thick) = (below(f64::INFINITY), below(1.0));
+    assert_eq!((deep.mean, deep.standard_error, thick.mean), (0.0, 0.0, 0.0));
+    assert!(thick.standard_error > 0.0 && thick.standard_error < 1e-3);
+}
+
 /// How far the theories are from the exact solution: known, and not more.
 #[test]
 fn theories_come_as_near_as_they_are_known_to() {

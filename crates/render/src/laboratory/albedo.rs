@@ -288,7 +288,10 @@ impl Runs {
             let lights = ends.light(&absorption, self.paths);
             for (found, light) in found.iter_mut().zip(lights) {
                 let variance = (light.mean_of_squares - light.mean * light.mean).max(0.0);
-                let standard_error = (variance / self.paths as f64).sqrt();
+                // Where none came through, one path more might have.
+                let least = if light.mean == 0.0 && !stack.is_deep() { 1.0 } else { 0.0 };
+                let standard_error =
+                    (variance / self.paths as f64).sqrt().max(least / self.paths as f64);
                 found.mean += weight * light.mean;
                 // All nodes follow the same random numbers: their errors go together.
                 found.standard_error += weight.abs() * standard_error;
