@@ -19,7 +19,7 @@ pub(crate) use deposit::DepositArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
     AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, PhaseArguments,
-    ProfileArguments, SearchArguments, SnowArguments, TableFormat,
+    PolarisationName, ProfileArguments, SearchArguments, SnowArguments, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use values::{PictureFile, PictureFormat, Size};

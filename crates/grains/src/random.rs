@@ -14,6 +14,8 @@ use snowgrain_math::sampler::pcg3d;
 const MOST_FILLED: f64 = 0.35;
 /// Draws for one grain after which the pack counts as jammed.
 const MOST_DRAWS: u64 = 50_000_000;
+/// Most cells of two radii: a gigabyte of them.
+const MOST_CELLS: f64 = 5e7;
 /// Grains that a cell of two radii can hold: no more of that distance fit into it.
 const GRAINS_PER_CELL: usize = 8;
 
@@ -53,7 +55,7 @@ pub fn random_pack(settings: &RandomSettings) -> Result<(GrainField, [i64; 2]), 
     let side = 2 * radius;
     let cells = |length: f64| (length / quantum / side as f64).ceil();
     let (across, up) = (cells(settings.width).max(3.0), cells(settings.depth));
-    if !(settings.depth / quantum >= side as f64 && across * across * up < 1e9) {
+    if !(settings.depth / quantum >= side as f64 && across * across * up < MOST_CELLS) {
         let reason = format!("{} m is less than a grain, or too much", settings.depth);
         return Err(GrainsError::setting("depth", reason));
     }

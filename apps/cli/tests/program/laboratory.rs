@@ -154,6 +154,26 @@ fn grains_are_traced_where_a_pack_of_them_can_be_made() {
     }
 }
 
+/// What a method cannot heed is refused, not ignored.
+#[test]
+fn grains_refuse_polarised_light_and_packs_beyond_the_memory() {
+    let place = Workplace::new();
+    let run = |more: &[&str]| {
+        let grains = ["optics", "albedo", "--method", "grains", "--radius", "200um", "-q"];
+        place.run(&[&grains[..], more].concat())
+    };
+    let tracked = run(&["--depth", "4mm", "--polarisation", "tracked"]);
+    assert!(
+        tracked.code == Some(2) && tracked.stderr.contains("unpolarised"),
+        "{}",
+        tracked.stderr
+    );
+    let large = run(&["--depth", "5m", "--max-memory", "100MB"]);
+    assert!(large.code == Some(69) && large.stderr.contains("--max-memory"), "{}", large.stderr);
+    let endless = run(&["--depth", "9000m", "--max-memory", "900TB"]);
+    assert!(endless.code == Some(69), "{}", endless.stderr);
+}
+
 #[test]
 fn light_falls_off_inside_snow() {
     let place = Workplace::new();

@@ -24,14 +24,8 @@ pub(crate) const NEXT_EVENT: u32 = MULTIPLIER;
 /// times 2^24; all words are [`prepared`].
 #[inline(always)]
 pub(crate) fn uniform_24_bits<S: Simd>(key: [W<S>; 2], event: W<S>) -> F<S> {
-    let ([mut x, mut y], mut z) = (key, event);
-    x += y * z;
-    y += z * x;
-    z += x * y;
-    x ^= x >> 16;
-    y ^= y >> 16;
-    z ^= z >> 16;
-    x += y * z;
+    // What makes the other two words is not computed.
+    let [x, _, _] = hashed::<S>(key, event);
     let top: fearless_simd::i32x16<S> = (x >> 8).bitcast();
     top.to_float()
 }

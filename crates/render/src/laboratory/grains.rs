@@ -7,7 +7,7 @@ use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
 use crate::{RenderError, World};
 use rayon::prelude::*;
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};
-use snowgrain_grains::{GrainsError, RandomSettings, random_pack};
+use snowgrain_grains::{GrainsError, ICE_DENSITY, RandomSettings, random_pack};
 use std::ops::Range;
 
 /// Period along x and z, in radii: light forgets where it entered over less.
@@ -26,6 +26,16 @@ pub struct GrainLayer {
 }
 
 impl GrainLayer {
+    /// About how many grains the first layer of `stack` takes; those of infinite depth are none.
+    #[must_use]
+    pub fn grains(stack: &SnowStack) -> u64 {
+        let Some(layer) = stack.layers.first().filter(|layer| layer.depth.is_finite()) else {
+            return 0;
+        };
+        let columns = WIDTH_IN_RADII * WIDTH_IN_RADII * layer.depth / layer.radius;
+        (layer.density / ICE_DENSITY * columns / (4.0 / 3.0 * core::f64::consts::PI)) as u64
+    }
+
     /// The only layer of `stack` as a random pack (see `snowgrain_grains::random`).
     ///
     /// # Errors

@@ -2,11 +2,13 @@
 
 use super::snow;
 use super::table::{Cell, Table};
-use crate::arguments::{AlbedoArguments, Method};
+use crate::arguments::{AlbedoArguments, Method, PolarisationName};
+use crate::budget::Budget;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::summary::grouped;
 use crate::threads::pool;
+use snowgrain_render::CostEstimate;
 use snowgrain_render::laboratory::{
     Albedo, AlbedoSettings, Band, GrainLayer, Incidence, SnowStack, Theory, broadband,
     broadband_wavelengths_nm, grain_albedo, homogeneous_albedo, theoretical_albedo,
@@ -146,6 +148,15 @@ impl Search<'_> {
                 if method == Method::Homogeneous {
                     return Ok(homogeneous_albedo(stack, &settings, &mut tell));
                 }
+                if arguments.search.polarisation == PolarisationName::Tracked {
+                    return Err(Failure::usage(
+                        "grains are traced with unpolarised light; leave --polarisation out, or use \
+                     --method homogeneous",
+                    ));
+                }
+                let budget = Budget::of_this_machine(arguments.search.machine.max_memory);
+                let needs = CostEstimate::of_grains(GrainLayer::grains(stack));
+                budget.map_or(Ok(()), |budget| budget.check(&needs))?;
                 let mut layer = GrainLayer::new(stack, settings.seed)?;
                 return Ok(grain_albedo(stack, &mut layer, &settings, &mut tell));
             }
