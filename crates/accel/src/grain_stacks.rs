@@ -36,7 +36,7 @@ pub use window::Quad;
 /// Most cells a plan may have: one gibibyte of them.
 const MOST_CELLS: i64 = 1 << 27;
 /// Cells of a part of the store, about.
-const CELLS_PER_PART: i32 = 1024;
+const CELLS_PER_PART: i32 = 256;
 
 /// Why grains cannot be stored.
 #[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]

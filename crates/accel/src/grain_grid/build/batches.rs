@@ -19,9 +19,9 @@ pub(super) struct HeldBrick {
     pub(super) surface: bool,
 }
 
-/// Batches are at least so many; they are what is held in memory beside the cells, two of 16 where
+/// Batches are at least so many; they are what is held in memory beside the cells, two of 32 where
 /// two threads work.
-const LEAST_BATCHES: usize = 16;
+const LEAST_BATCHES: usize = 32;
 const BATCHES_PER_THREAD: usize = 4;
 
 /// Cuts the bricks into batches of about as many grains.
