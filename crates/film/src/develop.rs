@@ -1,7 +1,8 @@
-//! The display transform: exposure, then the sRGB transfer function, then 8 or 16 bits.
+//! The display transform: exposure, primaries of sRGB, its transfer function, then 8 or 16 bits.
 
 use crate::{FilmError, Picture, PixelRect};
-use snowgrain_math::trig;
+use snowgrain_math::{DVec3, trig};
+use snowgrain_optics::Primaries;
 
 /// Display values of a picture: R, G, B interleaved, row-major, sRGB-encoded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,11 +58,21 @@ fn develop<T: Copy>(
     let [red, green, blue] = picture.colour()?;
     let gain = trig::pow(2.0, exposure);
     let mut values = Vec::with_capacity(3 * red.len());
+    let to_srgb = match picture.primaries {
+        Primaries::Srgb => None,
+        other => Some(Primaries::Srgb.under_d65() * other.under_d65().inverse()),
+    };
     let shown = |x: f32| quantise(srgb_from_linear(gain * f64::from(x)));
     // Neighbouring values are often equal (grey, or a backdrop), and powers are slow.
     let mut last = (0.0, shown(0.0));
     for ((&r, &g), &b) in red.iter().zip(green).zip(blue) {
-        values.extend([r, g, b].map(|x| {
+        let colour = match to_srgb {
+            None => [r, g, b],
+            Some(matrix) => {
+                (matrix * DVec3::from([r, g, b].map(f64::from))).to_array().map(|x| x as f32)
+            }
+        };
+        values.extend(colour.map(|x| {
             if x != last.0 {
                 last = (x, shown(x));
             }
@@ -98,6 +109,19 @@ mod tests {
     fn a_stop_doubles() {
         let stop = to_16_bit(&strip(&[0.1, 0.4]), 1.0).unwrap();
         assert_eq!(stop.values, to_16_bit(&strip(&[0.2, 0.8]), 0.0).unwrap().values);
+    }
+
+    #[test]
+    fn other_primaries_show_the_same_colours() {
+        let mut picture = strip(&[0.4]);
+        picture.primaries = Primaries::AcesCg;
+        assert_eq!(to_8_bit(&picture, 0.0).unwrap(), to_8_bit(&strip(&[0.4]), 0.0).unwrap());
+        // Red of sRGB in ACEScg.
+        for (layer, value) in Layer::COLOUR.into_iter().zip([0.6131, 0.0702, 0.0206]) {
+            picture.set_layer(layer, vec![value]).unwrap();
+        }
+        let [red, green, blue] = to_8_bit(&picture, 0.0).unwrap().values[..] else { panic!() };
+        assert!(red >= 254 && green <= 5 && blue <= 5, "{red} {green} {blue}");
     }
 
     #[test]

@@ -116,4 +116,21 @@ pub enum FilmError {
         /// Pixels of the second.
         theirs: PixelRect,
     },
+    /// A film was not told to keep light by its length in ice.
+    #[error(
+        "the film keeps no ice paths, without which ice and impurities cannot be changed; render it \
+         with --keep ice-paths"
+    )]
+    NoIcePaths,
+    /// Two pictures that are compared have other primaries.
+    #[error(
+        "the pictures have different primaries ({ours} and {theirs}); render both with the same \
+         film.primaries"
+    )]
+    PrimariesDiffer {
+        /// Primaries of the first.
+        ours: &'static str,
+        /// Primaries of the second.
+        theirs: &'static str,
+    },
 }

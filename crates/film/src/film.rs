@@ -1,7 +1,9 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
-use crate::tile::add_rows;
-use crate::{FilmError, FilmTile, FilmTileMut, PixelRect, PixelSums, SampleRanges};
+use crate::{
+    FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, PixelRect, PixelSums, SampleRanges,
+};
+use snowgrain_optics::Grade;
 use std::ops::Range;
 
 /// What decides the samples of a film, together with their indices.
@@ -13,7 +15,8 @@ pub struct FilmIdentity {
     pub seed: u64,
 }
 
-/// Exact sums over the samples of a picture; 208 bytes per pixel of the crop.
+/// Exact sums over the samples of a picture; 208 bytes per pixel of the crop, and those of
+/// [`IcePathLayout::bytes`] where ice paths are kept.
 ///
 /// Films of the same picture and of different samples merge in any order to the same bytes.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +27,9 @@ pub struct Film {
     identity: FilmIdentity,
     samples: SampleRanges,
     pixels: Vec<PixelSums>,
+    /// What turned lengths in ice into the colours of the sums.
+    pub grade: Grade,
+    ice_paths: Option<IcePaths>,
 }
 
 impl Film {
@@ -41,7 +47,41 @@ impl Film {
             return Err(FilmError::BadCrop { crop, width, height });
         }
         let pixels = pixels_for(crop)?;
-        Ok(Self { width, height, crop, identity, samples: SampleRanges::default(), pixels })
+        let (samples, grade) = (SampleRanges::default(), Grade::default());
+        Ok(Self { width, height, crop, identity, samples, pixels, grade, ice_paths: None })
+    }
+
+    /// The same film, empty of ice paths, that keeps them from now on.
+    ///
+    /// # Errors
+    /// More than memory.
+    pub fn keeping_ice_paths(mut self, layout: IcePathLayout) -> Result<Self, FilmError> {
+        self.ice_paths = Some(IcePaths::new(layout, self.pixels.len())?);
+        Ok(self)
+    }
+
+    /// A film of the same picture that keeps the same, without samples.
+    ///
+    /// # Errors
+    /// More than memory.
+    pub fn empty_copy(&self) -> Result<Self, FilmError> {
+        let mut film = Self::new(self.width, self.height, self.crop, self.identity)?;
+        film.grade = self.grade.clone();
+        match &self.ice_paths {
+            Some(paths) => film.keeping_ice_paths(paths.layout()),
+            None => Ok(film),
+        }
+    }
+
+    /// Its light by length in ice, if it keeps that.
+    #[must_use]
+    pub fn ice_paths(&self) -> Option<&IcePaths> {
+        self.ice_paths.as_ref()
+    }
+
+    /// The same, to be filled by a reader of film files.
+    pub fn ice_paths_mut(&mut self) -> Option<&mut IcePaths> {
+        self.ice_paths.as_mut()
     }
 
     /// Pixels across of the whole picture.
@@ -97,7 +137,7 @@ impl Film {
         if !self.crop.encloses(&rect) {
             return Err(FilmError::TileOutsideFilm { tile: rect, crop: self.crop });
         }
-        self.add_pixels(rect, tile.pixels())
+        self.part_mut(rect).merge(tile)
     }
 
     /// Notes that every pixel now holds these samples: to be called when all tiles of a pass over
@@ -119,7 +159,8 @@ impl Film {
         self.check_same_picture(other)?;
         let mut samples = self.samples.clone();
         samples.insert_all(&other.samples)?;
-        self.add_pixels(other.crop, &other.pixels)?;
+        let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
+        self.part_mut(other.crop).add_sums(&other.pixels, ice)?;
         self.samples = samples;
         Ok(())
     }
@@ -133,14 +174,23 @@ impl Film {
         differ("crop", self.crop.to_string(), other.crop.to_string())?;
         let hash = |film: &Self| hexadecimal(&film.identity.scene_hash);
         differ("scene", hash(self), hash(other))?;
-        differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())
+        differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())?;
+        let kept = |film: &Self| match film.ice_paths.as_ref().map(IcePaths::layout) {
+            None => "not kept".to_owned(),
+            Some(IcePathLayout { lights, scale_exponent }) => {
+                format!("of {lights} lights, scale 2^{scale_exponent}")
+            }
+        };
+        differ("ice paths", kept(self), kept(other))
     }
 
     /// The pixels of the crop as tiles of at most `side` x `side`, as [`PixelRect::tiles`] orders them,
     /// to be filled by several threads in place.
     pub fn tiles_mut(&mut self, side: u32) -> Vec<FilmTileMut<'_>> {
         let side = side.max(1);
-        let mut tiles: Vec<_> = self.crop.tiles(side).map(FilmTileMut::without_rows).collect();
+        let layout = self.ice_paths.as_ref().map(IcePaths::layout);
+        let mut tiles: Vec<_> =
+            self.crop.tiles(side).map(|rect| FilmTileMut::without_rows(rect, layout)).collect();
         let width = self.crop.width() as usize;
         let across = width.div_ceil(side as usize);
         for (row, pixels) in self.pixels.chunks_mut(width).enumerate() {
@@ -148,19 +198,33 @@ impl Film {
             let pieces = pixels.chunks_mut(side as usize);
             tiles[first..].iter_mut().zip(pieces).for_each(|(tile, piece)| tile.rows.push(piece));
         }
+        let Some(ice) = &mut self.ice_paths else { return tiles };
+        let stride = ice.layout().sums();
+        for (row, sums) in ice.sums_mut().chunks_mut(width * stride).enumerate() {
+            let first = row / side as usize * across;
+            let pieces = sums.chunks_mut(side as usize * stride);
+            let pairs = tiles[first..].iter_mut().zip(pieces);
+            pairs.for_each(|(tile, piece)| tile.ice_rows.push(piece));
+        }
         tiles
     }
 
-    /// Adds row-major sums of `rect`, which lies inside the crop; on an error nothing is added.
-    fn add_pixels(&mut self, rect: PixelRect, sums: &[PixelSums]) -> Result<(), FilmError> {
+    /// The pixels of `rect`, which lies inside the crop.
+    fn part_mut(&mut self, rect: PixelRect) -> FilmTileMut<'_> {
+        let layout = self.ice_paths.as_ref().map(IcePaths::layout);
+        let mut part = FilmTileMut::without_rows(rect, layout);
         let width = self.crop.width() as usize;
+        let (first, count) = ((rect.y0 - self.crop.y0) as usize, rect.height() as usize);
         let columns = (rect.x0 - self.crop.x0) as usize..(rect.x1 - self.crop.x0) as usize;
-        let rows = self.pixels.chunks_mut(width).skip((rect.y0 - self.crop.y0) as usize);
-        let mut rows: Vec<_> =
-            rows.take(rect.height() as usize).map(|row| &mut row[columns.clone()]).collect();
-        add_rows(&mut rows, sums.chunks(columns.len().max(1))).map_err(|(row, column)| {
-            FilmError::Overflow { x: rect.x0 + column as u32, y: rect.y0 + row as u32 }
-        })
+        let rows = self.pixels.chunks_mut(width).skip(first).take(count);
+        part.rows.extend(rows.map(|row| &mut row[columns.clone()]));
+        if let Some(ice) = &mut self.ice_paths {
+            let stride = ice.layout().sums();
+            let rows = ice.sums_mut().chunks_mut(width * stride).skip(first).take(count);
+            let sums = columns.start * stride..columns.end * stride;
+            part.ice_rows.extend(rows.map(|row| &mut row[sums.clone()]));
+        }
+        part
     }
 }
 

@@ -1,6 +1,7 @@
 //! A film read off: scene-linear layers of `f32`.
 
-use crate::{Film, FilmError, PixelRect, PixelSums};
+use crate::{Film, FilmError, PixelRect, PixelSums, SpectralLayer};
+use snowgrain_optics::Primaries;
 
 /// The closed set of layers, named as OpenEXR users name them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -128,13 +129,17 @@ pub struct Provenance {
     pub samples_per_pixel: u64,
 }
 
-/// Scene-linear layers over the pixels of a window of a picture; primaries of Rec. 709, white D65.
+/// Scene-linear layers over the pixels of a window of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     width: u32,
     height: u32,
     window: PixelRect,
     layers: Vec<(Layer, Vec<f32>)>,
+    /// Radiance at single wavelengths, if known.
+    pub spectrum: Vec<SpectralLayer>,
+    /// What the colour layers are amounts of (albedos are of sRGB always).
+    pub primaries: Primaries,
     /// Where it comes from, if known.
     pub provenance: Option<Provenance>,
 }
@@ -148,7 +153,9 @@ impl Picture {
         if window.is_empty() || !PixelRect::new(0, 0, width, height).encloses(&window) {
             return Err(FilmError::BadCrop { crop: window, width, height });
         }
-        Ok(Self { width, height, window, layers: Vec::new(), provenance: None })
+        let primaries = Primaries::default();
+        let (layers, spectrum) = (Vec::new(), Vec::new());
+        Ok(Self { width, height, window, layers, spectrum, primaries, provenance: None })
     }
 
     /// All layers of a film.
@@ -171,6 +178,7 @@ impl Picture {
         for (layer, values) in Layer::ALL.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }
+        picture.primaries = film.grade.primaries;
         picture.provenance = Some(Provenance {
             scene_hash: film.identity().scene_hash,
             seed: film.identity().seed,
@@ -223,6 +231,11 @@ impl Picture {
             Err(at) => self.layers.insert(at, (layer, values)),
         }
         Ok(())
+    }
+
+    /// Leaves out the layers of variance.
+    pub(crate) fn remove_variance(&mut self) {
+        self.layers.retain(|(layer, _)| !Layer::VARIANCE.contains(layer));
     }
 
     /// The layers R, G and B.

@@ -17,11 +17,11 @@ const LIMIT: f32 = (1u64 << 48) as f32;
 ///
 /// | sum | quantum | largest sum | so that fit |
 /// |---|---|---|---|
-/// | radiance, depth | 2^-64 | 2^63 (9.2e18) | 9.2e9 samples of radiance 1e9 |
+/// | radiance (either sign), depth | 2^-64 | 2^63 (9.2e18) | 9.2e9 samples of radiance 1e9 |
 /// | squared radiance | 2^-96 | 2^96 (7.9e28) | 7.9e10 samples of radiance 1e9 |
 /// | albedo, normal, alpha | 2^-24 | 2^39 | 2^31 samples of magnitude 256 |
 ///
-/// A sample is rounded to the quantum once, when it enters; a radiance of 2^-40 and more is stored
+/// A sample is rounded to the quantum once, when it enters; a radiance of magnitude 2^-40 and more is stored
 /// without any rounding. Beyond the range additions fail; nothing ever wraps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PixelSums {
@@ -47,7 +47,8 @@ impl PixelSums {
         let mut sums = Self { samples: 1, ..Self::default() };
         for (channel, &x) in sample.radiance.iter().enumerate() {
             let fault = SampleFault::Radiance(x);
-            sums.radiance[channel] = bounded(x).map(u128::cast_signed).ok_or(fault)?;
+            let magnitude = bounded(x.abs()).ok_or(fault)?.cast_signed();
+            sums.radiance[channel] = if x < 0.0 { -magnitude } else { magnitude };
             let square = f64::from(x) * f64::from(x);
             sums.radiance_squared[channel] =
                 Wide::from_f64(square, SQUARE_FRACTION_BITS).ok_or(fault)?;
@@ -87,8 +88,8 @@ impl PixelSums {
             let green = if g == r { red } else { Channel::of(g) };
             let blue = if b == g { green } else { Channel::of(b) };
             for (index, channel) in [red, green, blue].into_iter().enumerate() {
-                let added = channel.radiance.cast_signed();
-                overflow |= add(&mut self.radiance[index], added, i128::overflowing_add);
+                let (sum, added) = (&mut self.radiance[index], channel.radiance);
+                overflow |= add(sum, added, i128::overflowing_add);
                 let squares = &mut self.radiance_squared[index];
                 overflow |= add(squares, channel.square, Wide::overflowing_add);
             }
@@ -318,7 +319,7 @@ impl Refusal {
 fn is_in_range(sample: &Sample) -> bool {
     let mut fits = (0.0..=1.0).contains(&sample.alpha);
     for index in 0..3 {
-        fits &= (sample.radiance[index] >= 0.0) & (sample.radiance[index] < LIMIT);
+        fits &= sample.radiance[index].abs() < LIMIT;
         fits &= (sample.albedo[index] >= 0.0) & (sample.albedo[index] <= LARGEST_GUIDE);
         fits &= sample.normal[index].abs() <= LARGEST_GUIDE;
     }
@@ -335,15 +336,17 @@ fn is_nothing_hit(sample: &Sample) -> bool {
 /// What a channel's radiance adds to its sums.
 #[derive(Clone, Copy)]
 struct Channel {
-    radiance: u128,
+    radiance: i128,
     square: Wide,
 }
 
 impl Channel {
-    /// Of a radiance in `[0, LIMIT)`.
+    /// Of a radiance in `(-LIMIT, LIMIT)`.
     #[inline]
     fn of(x: f32) -> Self {
-        Self { radiance: large_quanta(x), square: square_quanta(x) }
+        let magnitude = large_quanta(x.abs()).cast_signed();
+        let radiance = if x < 0.0 { -magnitude } else { magnitude };
+        Self { radiance, square: square_quanta(x.abs()) }
     }
 }
 

@@ -8,7 +8,8 @@ pub const LARGEST_GUIDE: f32 = 256.0;
 /// What one path tells the film about its pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Radiance, scene-linear RGB, each finite and in [0, 2^48).
+    /// Radiance, scene-linear RGB, each finite and in (-2^48, 2^48); below 0 for colours out of the
+    /// gamut of the primaries, as light through deep ice is.
     pub radiance: [f32; 3],
     /// 0 where the path saw only the backdrop, 1 otherwise.
     pub alpha: f32,
@@ -36,8 +37,8 @@ impl Default for Sample {
 /// Why a sample is refused. Such a sample is a fault of the renderer, never to be dropped quietly.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SampleFault {
-    /// A radiance is negative, infinite, not a number, or 2^48 and more.
-    #[error("a radiance of {0} (it must be in [0, 2.8e14))")]
+    /// A radiance is infinite, not a number, or 2^48 and more in magnitude.
+    #[error("a radiance of {0} (its magnitude must be below 2.8e14)")]
     Radiance(f32),
     /// An alpha outside [0, 1].
     #[error("an alpha of {0} (it must be in [0, 1])")]

@@ -1,6 +1,6 @@
 //! The film container (`.film`): the exact sums of a render, to continue or merge it.
 //!
-//! Little-endian, version 1:
+//! Little-endian, version 2:
 //!
 //! | bytes | content |
 //! |---|---|
@@ -10,22 +10,35 @@
 //! | 32 | scene hash |
 //! | 8 | seed |
 //! | 4 | number of sample ranges |
+//! | 4 | spectra of lights of which ice paths are kept; 0: they are not kept |
+//! | 4 | scale exponent of the ice paths, signed |
+//! | 4 | bytes of the grade |
+//! | so many | the grade, as TOML ([`grade`]) |
 //! | 16 each | first sample, sample after the last |
 //! | 208 each | sums of the pixels of the crop, row-major ([`PixelSums::to_le_bytes`]) |
+//! | 768 each, for each spectrum | ice paths of the pixels ([`IcePaths::sums`]), signed, 8 bytes each |
 //! | 32 | BLAKE3 of all bytes before |
+
+mod grade;
 
 use crate::error::{Fault, FormatsError};
 use crate::{atomic, input};
-use snowgrain_film::{Film, FilmIdentity, PixelRect, PixelSums};
+use snowgrain_film::{
+    Film, FilmError, FilmIdentity, IcePathLayout, IcePaths, PixelRect, PixelSums,
+};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"SNOWFILM";
-const VERSION: u32 = 1;
-/// Bytes before the sample ranges.
-const HEADER_BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4;
+const VERSION: u32 = 2;
+/// Bytes before the grade.
+const HEADER_BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 4;
+/// Spectra of lights are few.
+const MOST_LIGHTS: u32 = 64;
 const RANGE_BYTES: u64 = 16;
 const HASH_BYTES: u64 = 32;
+/// Sums of ice paths that are read or written at once.
+const SUMS_AT_ONCE: usize = 1 << 15;
 
 const MEND: &str = "copy or render it again";
 
@@ -63,11 +76,25 @@ fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     let ranges = film.samples().as_slice();
     let count = u32::try_from(ranges.len()).map_err(io::Error::other)?;
     writer.write_all(&count.to_le_bytes())?;
+    let layout = film.ice_paths().map(IcePaths::layout);
+    let (lights, scale) = layout.map_or((0, 0), |layout| (layout.lights, layout.scale_exponent));
+    writer.write_all(&lights.to_le_bytes())?;
+    writer.write_all(&scale.to_le_bytes())?;
+    let grade = grade::to_toml(&film.grade);
+    writer.write_all(&(grade.len() as u32).to_le_bytes())?;
+    writer.write_all(grade.as_bytes())?;
     for range in ranges {
         writer.write_all(&range.start.to_le_bytes())?;
         writer.write_all(&range.end.to_le_bytes())?;
     }
     film.pixels().iter().try_for_each(|sums| writer.write_all(&sums.to_le_bytes()))?;
+    let ice = film.ice_paths().map_or(&[][..], IcePaths::sums);
+    let mut bytes = Vec::with_capacity(8 * SUMS_AT_ONCE);
+    for sums in ice.chunks(SUMS_AT_ONCE) {
+        bytes.clear();
+        sums.iter().for_each(|sum| bytes.extend_from_slice(&sum.to_le_bytes()));
+        writer.write_all(&bytes)?;
+    }
     let hash = writer.hasher.finalize();
     writer.stream.write_all(hash.as_bytes())
 }
@@ -88,12 +115,31 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     let scene_hash = array(&mut reader)?;
     let seed = u64::from_le_bytes(array(&mut reader)?);
     let ranges = u32::from_le_bytes(array(&mut reader)?);
-    check_length(crop, ranges, length)?;
+    let lights = u32::from_le_bytes(array(&mut reader)?);
+    let layout = (lights > 0).then_some(IcePathLayout {
+        lights: lights.min(MOST_LIGHTS),
+        scale_exponent: i32::from_le_bytes(array(&mut reader)?),
+    });
+    let grade_bytes = u32::from_le_bytes(array(&mut reader)?);
+    check_length(crop, ranges, layout, grade_bytes, length)?;
+    let mut grade = vec![0; grade_bytes as usize];
+    reader.read_exact(&mut grade)?;
+    let grade = grade::from_toml(&grade).map_err(|what| Fault::whole(what, MEND))?;
+    if let Some(layout) = layout
+        && layout.lights as usize != grade.lights.len()
+    {
+        return Err(Fault::whole("its ice paths are not those of its lights", MEND));
+    }
     let identity = FilmIdentity { scene_hash, seed };
-    let mut film = Film::new(width, height, crop, identity).map_err(|error| match error {
-        snowgrain_film::FilmError::TooLarge { .. } => Fault::TooLarge("the film".into()),
+    let film_fault = |error: FilmError| match error {
+        FilmError::TooLarge { .. } => Fault::TooLarge("the film".into()),
         error => Fault::whole(error.to_string(), MEND),
-    })?;
+    };
+    let mut film = Film::new(width, height, crop, identity).map_err(film_fault)?;
+    film.grade = grade;
+    if let Some(layout) = layout {
+        film = film.keeping_ice_paths(layout).map_err(film_fault)?;
+    }
     for _ in 0..ranges {
         let start = u64::from_le_bytes(array(&mut reader)?);
         let end = u64::from_le_bytes(array(&mut reader)?);
@@ -102,6 +148,15 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     }
     for sums in film.pixels_mut() {
         *sums = PixelSums::from_le_bytes(&array(&mut reader)?);
+    }
+    let ice = film.ice_paths_mut().map_or(&mut [][..], IcePaths::sums_mut);
+    let mut bytes = vec![0; 8 * SUMS_AT_ONCE];
+    for sums in ice.chunks_mut(SUMS_AT_ONCE) {
+        let bytes = &mut bytes[..8 * sums.len()];
+        reader.read_exact(bytes)?;
+        for (sum, bytes) in sums.iter_mut().zip(bytes.as_chunks().0) {
+            *sum = i64::from_le_bytes(*bytes);
+        }
     }
     let hash = reader.hasher.finalize();
     let mut written = [0; 32];
@@ -113,9 +168,17 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
 }
 
 /// Compares the length of the file with what its header claims, before memory is taken.
-fn check_length(crop: PixelRect, ranges: u32, length: u64) -> Result<(), Fault> {
-    let fixed = HEADER_BYTES + u64::from(ranges) * RANGE_BYTES + HASH_BYTES;
-    let expected = u128::from(fixed) + u128::from(crop.area()) * PixelSums::BYTES as u128;
+fn check_length(
+    crop: PixelRect,
+    ranges: u32,
+    layout: Option<IcePathLayout>,
+    grade_bytes: u32,
+    length: u64,
+) -> Result<(), Fault> {
+    let fixed =
+        HEADER_BYTES + u64::from(grade_bytes) + u64::from(ranges) * RANGE_BYTES + HASH_BYTES;
+    let pixel_bytes = PixelSums::BYTES as u64 + layout.map_or(0, IcePathLayout::bytes);
+    let expected = u128::from(fixed) + u128::from(crop.area()) * u128::from(pixel_bytes);
     if expected == u128::from(length) {
         return Ok(());
     }
@@ -160,6 +223,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use snowgrain_film::{FilmTile, Sample};
+    use snowgrain_optics::{
+        Absorption, Grade, Illuminant, Impurity, ImpurityKind, Load, Primaries,
+    };
 
     fn film(values: &[f32]) -> Film {
         let crop = PixelRect::new(1, 0, 1 + values.len() as u32, 1);
@@ -181,6 +247,36 @@ mod tests {
         film
     }
 
+    /// With ice paths of two lights.
+    fn graded(length: f64) -> Film {
+        let crop = PixelRect::new(0, 0, 2, 2);
+        let identity = FilmIdentity { scene_hash: [3; 32], seed: 1 };
+        let layout = IcePathLayout::for_radiance(2, 40.0);
+        let mut film = Film::new(2, 2, crop, identity).unwrap().keeping_ice_paths(layout).unwrap();
+        film.grade = Grade {
+            primaries: Primaries::AcesCg,
+            lights: vec![Illuminant::A, Illuminant::D65],
+            absorption: Absorption::Grey(0.1 + length),
+            impurities: vec![
+                Impurity { kind: ImpurityKind::BlackCarbon, load: Load::MassFraction(3e-7) },
+                Impurity { kind: ImpurityKind::SnowAlgae, load: Load::CellsPerKilogram(1e7) },
+            ],
+            enhancement: 1.253_5,
+        };
+        let mut tile = FilmTile::keeping_ice_paths(crop, layout).unwrap();
+        tile.add_ice_path(1, 0, length, &[[0.5, 0.25, -0.1], [40.0, 0.0, 3.0]]).unwrap();
+        film.merge_tile(&tile).unwrap();
+        film
+    }
+
+    #[test]
+    fn a_film_of_other_lights_than_its_ice_paths_is_refused() {
+        let mut film = graded(1.0);
+        film.grade.lights.pop();
+        let error = read_bytes(&written(&film)).unwrap_err().to_string();
+        assert!(error.contains("ice paths"), "{error}");
+    }
+
     fn written(film: &Film) -> Vec<u8> {
         let mut bytes = Vec::new();
         write(&mut bytes, film).unwrap();
@@ -199,6 +295,12 @@ mod tests {
         }
 
         #[test]
+        fn ice_paths_and_grades_come_back_as_they_were(length in 0.0..2000.0f64) {
+            let film = graded(length);
+            prop_assert_eq!(read_bytes(&written(&film)).unwrap(), film);
+        }
+
+        #[test]
         fn any_change_is_noticed(at in any::<prop::sample::Index>(), flip in 1..=255u8) {
             let mut bytes = written(&film(&[0.5, 0.25]));
             let at = at.index(bytes.len());
@@ -210,7 +312,7 @@ mod tests {
         #[test]
         fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
             prop_assert!(read_bytes(&bytes).is_err());
-            prop_assert!(read_bytes(&[&MAGIC[..], &[1, 0, 0, 0], &bytes].concat()).is_err());
+            prop_assert!(read_bytes(&[&MAGIC[..], &[2, 0, 0, 0], &bytes].concat()).is_err());
         }
     }
 
@@ -226,9 +328,9 @@ mod tests {
     #[test]
     fn other_versions_and_files_are_refused() {
         let mut bytes = written(&film(&[1.0]));
-        bytes[8] = 2;
+        bytes[8] = 1;
         let error = read_bytes(&bytes).unwrap_err().to_string();
-        assert!(error.contains("version 2"), "{error}");
+        assert!(error.contains("version 1"), "{error}");
         bytes[0] = b'X';
         let error = read_bytes(&bytes).unwrap_err().to_string();
         assert!(error.contains("not a film"), "{error}");

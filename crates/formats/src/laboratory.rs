@@ -37,11 +37,12 @@ pub fn check_density(density: f64) -> Result<f64, String> {
     })
 }
 
-/// The impurity of that name.
+/// The impurity of that name; `soot` is black carbon.
 ///
 /// # Errors
 /// The names that there are.
 pub fn impurity_kind(name: &str) -> Result<ImpurityKind, String> {
+    let name = if name == "soot" { ImpurityKind::BlackCarbon.name() } else { name };
     let kind = ImpurityKind::ALL.into_iter().find(|kind| kind.name() == name);
     kind.ok_or_else(|| {
         let names = ImpurityKind::ALL.map(ImpurityKind::name).join(", ");

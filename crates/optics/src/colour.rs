@@ -47,6 +47,18 @@ impl Illuminant {
         }
     }
 
+    /// The mean of its power over [`VISIBLE_NM`], weighted with the eye's sensitivity.
+    #[must_use]
+    pub fn luminous_mean(self) -> f64 {
+        let [first, last] = VISIBLE_NM;
+        let wavelengths = (0..=(last - first) as u32).map(|step| first + f64::from(step));
+        let (power, sensitivity) = wavelengths.fold((0.0, 0.0), |(power, sum), nm| {
+            let sensitivity = observer(nm).y;
+            (power + self.power(nm) * sensitivity, sum + sensitivity)
+        });
+        power / sensitivity
+    }
+
     /// Power at a wavelength, relative to that at 560 nm in percent.
     #[must_use]
     pub fn power(self, wavelength_nm: f64) -> f64 {
@@ -57,6 +69,12 @@ impl Illuminant {
             Self::EqualEnergy => 100.0,
         }
     }
+}
+
+/// The colour matching functions of the CIE 1931 2-degree observer at a wavelength.
+#[must_use]
+pub fn observer(wavelength_nm: f64) -> DVec3 {
+    DVec3::from([0, 1, 2].map(|i: usize| MATCHING[i].at(wavelength_nm)))
 }
 
 /// CIE 1931 tristimulus values of what `reflectance` leaves of the light, with Y = 1 for all of it.
@@ -70,9 +88,9 @@ pub fn tristimulus(illuminant: Illuminant, reflectance: impl Fn(f64) -> f64) -> 
     for step in 0..=(last - first) as u32 {
         let at = first + f64::from(step);
         let power = illuminant.power(at);
-        let [x, y, z] = [0, 1, 2].map(|i: usize| MATCHING[i].at(at));
-        sum += DVec3::new(x, y, z) * (power * reflectance(at));
-        white += y * power;
+        let matching = observer(at);
+        sum += matching * (power * reflectance(at));
+        white += matching.y * power;
     }
     sum / white
 }
@@ -83,6 +101,13 @@ pub fn chromaticity(xyz: DVec3) -> [f64; 2] {
     let sum = xyz.x + xyz.y + xyz.z;
     [xyz.x / sum, xyz.y / sum]
 }
+
+/// Tristimulus values to the responses of Bradford's cones.
+const BRADFORD: DMat3 = DMat3::from_cols(
+    DVec3::new(0.8951, -0.7502, 0.0389),
+    DVec3::new(0.2664, 1.7135, -0.0685),
+    DVec3::new(-0.1614, 0.0367, 1.0296),
+);
 
 /// Sets of primaries for pictures, linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -121,6 +146,29 @@ impl Primaries {
     #[must_use]
     pub fn from_xyz(self, xyz: DVec3) -> DVec3 {
         self.to_xyz().inverse() * xyz
+    }
+
+    /// From tristimulus values of light of which D65 is white to amounts of the primaries, such that D65
+    /// (as tabulated, over [`VISIBLE_NM`]) is 1, 1, 1: adapted to the white of the primaries, where that
+    /// is another, by the matrix of Bradford (Lam 1985; ICC.1:2022, annex E).
+    #[must_use]
+    pub fn under_d65(self) -> DMat3 {
+        let daylight = tristimulus(Illuminant::D65, |_| 1.0);
+        match self {
+            Self::Srgb => {
+                let xyz = |[x, y]: [f64; 2]| DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+                let [red, green, blue, _] = self.chromaticities().map(xyz);
+                let columns = DMat3::from_cols(red, green, blue);
+                let amounts = columns.inverse() * daylight;
+                (columns * DMat3::from_diagonal(amounts)).inverse()
+            }
+            Self::AcesCg => {
+                let white = self.to_xyz() * DVec3::ONE;
+                let [from, to] = [daylight, white].map(|white| BRADFORD * white);
+                let adapted = BRADFORD.inverse() * DMat3::from_diagonal(to / from) * BRADFORD;
+                self.to_xyz().inverse() * adapted
+            }
+        }
     }
 
     /// The tristimulus values of each primary, in columns, such that all three give white of Y = 1
@@ -165,6 +213,18 @@ mod tests {
         let aces = Primaries::AcesCg.to_xyz().row(1);
         let standard = DVec3::new(0.272_228_7, 0.674_081_8, 0.053_689_5);
         assert!((aces - standard).abs().max_element() < 1e-6, "{aces}");
+    }
+
+    #[test]
+    fn daylight_is_white_in_all_primaries() {
+        for primaries in Primaries::ALL {
+            let white = primaries.under_d65() * tristimulus(Illuminant::D65, |_| 1.0);
+            assert!((white - DVec3::ONE).abs().max_element() < 1e-12, "{white}");
+        }
+        // The matrix from sRGB to ACEScg that the Academy's colour encoding gives with Bradford's.
+        let to_aces = Primaries::AcesCg.under_d65() * Primaries::Srgb.under_d65().inverse();
+        let first = DVec3::new(0.6131, 0.0702, 0.0206);
+        assert!((to_aces.x_axis - first).abs().max_element() < 5e-4, "{}", to_aces.x_axis);
     }
 
     #[test]

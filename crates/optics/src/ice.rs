@@ -60,6 +60,32 @@ impl IceAbsorption {
     }
 }
 
+/// What the ice of a scene absorbs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absorption {
+    /// The same at every wavelength, 1/m, at least 0.
+    Grey(f64),
+    /// As measured.
+    Measured(IceAbsorption),
+}
+
+impl Absorption {
+    /// The absorption coefficient, 1/m.
+    #[must_use]
+    pub fn per_metre(self, wavelength_nm: f64) -> f64 {
+        match self {
+            Self::Grey(per_metre) => per_metre,
+            Self::Measured(source) => source.per_metre(wavelength_nm),
+        }
+    }
+}
+
+impl Default for Absorption {
+    fn default() -> Self {
+        Self::Measured(IceAbsorption::default())
+    }
+}
+
 /// The real part n of the refractive index (Warren and Brandt 2008).
 #[must_use]
 pub fn refractive_index(wavelength_nm: f64) -> f64 {

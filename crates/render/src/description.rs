@@ -5,6 +5,7 @@ pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
 use snowgrain_math::{DAffine3, DVec3};
+use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
 use std::sync::Arc;
 
 /// Everything that decides a picture. Metres, radians only where named, y up.
@@ -39,6 +40,20 @@ pub struct FilmDescription {
     pub samples_per_pixel: u32,
     /// Seed of the sampler.
     pub seed: u64,
+    /// Primaries of the picture; everything else in a scene is linear sRGB.
+    pub primaries: Primaries,
+    /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
+    /// chosen after the render.
+    pub keep_ice_paths: bool,
+}
+
+impl FilmDescription {
+    /// A film of sRGB that keeps nothing but the picture.
+    #[must_use]
+    pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
+        let primaries = Primaries::Srgb;
+        Self { width, height, samples_per_pixel, seed, primaries, keep_ice_paths: false }
+    }
 }
 
 /// A pinhole camera.
@@ -61,8 +76,18 @@ pub struct CameraDescription {
 pub struct IceDescription {
     /// Index of refraction eta, in [1, 4].
     pub ior: f64,
-    /// Grey absorption coefficient, 1/m, >= 0.
-    pub absorption_per_metre: f64,
+    /// What it absorbs.
+    pub absorption: Absorption,
+    /// What lies between the grains, everywhere alike.
+    pub impurities: Vec<Impurity>,
+}
+
+impl IceDescription {
+    /// Ice of this index of refraction that absorbs nothing, clean.
+    #[must_use]
+    pub fn clear(ior: f64) -> Self {
+        Self { ior, absorption: Absorption::Grey(0.0), impurities: Vec::new() }
+    }
 }
 
 /// The closed set of lights.
@@ -70,18 +95,42 @@ pub struct IceDescription {
 pub enum LightDescription {
     /// The paper's diffuse hemisphere above y = 0 at infinity.
     Sky {
-        /// Radiance, linear RGB.
+        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
         radiance: [f32; 3],
+        /// Spectrum.
+        spectrum: Illuminant,
         /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
         visible_to_camera: bool,
     },
     /// The whole sphere at infinity.
     Uniform {
-        /// Radiance, linear RGB.
+        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
         radiance: [f32; 3],
+        /// Spectrum.
+        spectrum: Illuminant,
         /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
         visible_to_camera: bool,
     },
+}
+
+impl LightDescription {
+    /// Its spectrum.
+    #[must_use]
+    pub fn spectrum(&self) -> Illuminant {
+        match *self {
+            Self::Sky { spectrum, .. } | Self::Uniform { spectrum, .. } => spectrum,
+        }
+    }
+
+    /// Whether a camera ray that meets nothing sees it.
+    #[must_use]
+    pub fn visible_to_camera(&self) -> bool {
+        match *self {
+            Self::Sky { visible_to_camera, .. } | Self::Uniform { visible_to_camera, .. } => {
+                visible_to_camera
+            }
+        }
+    }
 }
 
 /// A solid diffuse object.

@@ -4,8 +4,9 @@ use crate::camera::Camera;
 use crate::description::{
     ObjectDescription, ObjectShape, Packing, SceneDescription, SnowDescription,
 };
+use crate::light::Environment;
 use core::f64::consts::PI;
-use snowgrain_film::{PixelRect, PixelSums};
+use snowgrain_film::{IcePathLayout, PixelRect, PixelSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
 use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeCell, LatticeSettings,
@@ -100,10 +101,20 @@ impl CostEstimate {
         if implicit(description, &objects) {
             (cost.grain_bytes, cost.building_bytes, cost.build_seconds) = (0, 0, 0.0);
         }
-        cost.film_bytes = crop.area() * (FILMS * PixelSums::BYTES as u64 + PICTURE_BYTES_PER_PIXEL);
+        let kept = PixelSums::BYTES as u64 + Self::ice_path_bytes(description);
+        cost.film_bytes = crop.area() * (FILMS * kept + PICTURE_BYTES_PER_PIXEL);
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
         cost
+    }
+
+    /// Bytes a pixel of the light by length in ice, where the film keeps it.
+    fn ice_path_bytes(description: &SceneDescription) -> u64 {
+        if !description.film.keep_ice_paths {
+            return 0;
+        }
+        let environment = Environment::new(&description.lights, description.camera.backdrop);
+        IcePathLayout::for_radiance(environment.spectra().len() as u32, 1.0).bytes()
     }
 
     /// The memory of so many grains that fall and are packed, whatever lies around them.
@@ -307,12 +318,13 @@ mod tests {
     };
     use snowgrain_grains::{LatticeKind, Radii};
     use snowgrain_math::DAffine3;
+    use snowgrain_optics::Illuminant;
 
     const CROP: PixelRect = PixelRect::new(0, 0, 64, 48);
 
     fn scene(objects: Vec<ObjectDescription>, snow: Vec<SnowDescription>) -> SceneDescription {
         SceneDescription {
-            film: FilmDescription { width: 64, height: 48, samples_per_pixel: 10, seed: 0 },
+            film: FilmDescription::new(64, 48, 10, 0),
             camera: CameraDescription {
                 from: DVec3::new(0.0, 0.2, 0.3),
                 at: DVec3::ZERO,
@@ -320,8 +332,12 @@ mod tests {
                 vertical_fov_degrees: 40.0,
                 backdrop: [0.0; 3],
             },
-            ice: IceDescription { ior: 1.31, absorption_per_metre: 0.0 },
-            lights: vec![LightDescription::Sky { radiance: [1.0; 3], visible_to_camera: true }],
+            ice: IceDescription::clear(1.31),
+            lights: vec![LightDescription::Sky {
+                radiance: [1.0; 3],
+                spectrum: Illuminant::D65,
+                visible_to_camera: true,
+            }],
             objects,
             snow,
             integrator: IntegratorKind::Grains,

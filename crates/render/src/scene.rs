@@ -1,7 +1,7 @@
 //! A scene that light can travel through.
 
 use crate::camera::Camera;
-use crate::description::{IceDescription, ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{ObjectShape, SceneDescription, SnowDescription};
 use crate::light::Environment;
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::{RenderError, World};
@@ -11,6 +11,7 @@ use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
 use snowgrain_math::{Aabb, DVec3};
+use snowgrain_optics::{Dielectric, Grade, IceColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
 
@@ -61,8 +62,10 @@ pub struct Scene {
     pub camera: Camera,
     /// The lights.
     pub environment: Environment,
-    /// Optical constants.
-    pub ice: IceDescription,
+    /// What turns lengths in ice into colours.
+    pub grade: Grade,
+    /// The colours of each spectrum of the environment after any length in ice.
+    pub colours: Vec<IceColour>,
     /// Size and sampling of the picture.
     pub film: crate::description::FilmDescription,
     /// Digest of all content that decides the pixels but the seed and the samples.
@@ -104,6 +107,8 @@ impl Scene {
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
+        let environment = Environment::new(&description.lights, description.camera.backdrop);
+        let grade = grade(description, &environment);
         Ok(Self {
             hash: hash_scene(description, &digest),
             world: World {
@@ -113,11 +118,24 @@ impl Scene {
                 eta: description.ice.ior,
             },
             camera: Camera::new(&description.camera, &description.film),
-            environment: Environment::new(&description.lights, description.camera.backdrop),
-            ice: description.ice.clone(),
+            environment,
+            colours: grade.colours(),
+            grade,
             film: description.film.clone(),
             report,
         })
+    }
+}
+
+/// What turns lengths in ice into colours in this scene.
+fn grade(description: &SceneDescription, environment: &Environment) -> Grade {
+    let ice = &description.ice;
+    Grade {
+        primaries: description.film.primaries,
+        lights: environment.spectra().to_vec(),
+        absorption: ice.absorption,
+        impurities: ice.impurities.clone(),
+        enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.ior }),
     }
 }
 

@@ -1,8 +1,11 @@
 //! A digest of everything that decides the pixels.
 
-use crate::description::{LightDescription, ObjectShape, Packing, SceneDescription};
+use crate::description::{
+    IceDescription, LightDescription, ObjectShape, Packing, SceneDescription,
+};
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
+use snowgrain_optics::{Absorption, Load};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -64,6 +67,7 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     let mut hash = Hash(blake3::Hasher::new());
     hash.tag("film");
     hash.words(&[scene.film.width, scene.film.height]);
+    hash.tag(scene.film.primaries.name());
     hash.tag("camera");
     for vector in [scene.camera.from, scene.camera.at, scene.camera.up] {
         hash.doubles(&vector.to_array());
@@ -71,19 +75,16 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.doubles(&[scene.camera.vertical_fov_degrees]);
     hash.floats(&scene.camera.backdrop);
     hash.tag("ice");
-    hash.doubles(&[scene.ice.ior, scene.ice.absorption_per_metre]);
+    hash_ice(&mut hash, &scene.ice);
     for light in &scene.lights {
-        let (tag, radiance, visible) = match light {
-            LightDescription::Sky { radiance, visible_to_camera } => {
-                ("sky", radiance, visible_to_camera)
-            }
-            LightDescription::Uniform { radiance, visible_to_camera } => {
-                ("uniform", radiance, visible_to_camera)
-            }
+        let (tag, radiance) = match light {
+            LightDescription::Sky { radiance, .. } => ("sky", radiance),
+            LightDescription::Uniform { radiance, .. } => ("uniform", radiance),
         };
         hash.tag(tag);
         hash.floats(radiance);
-        hash.words(&[u32::from(*visible)]);
+        hash.tag(light.spectrum().name());
+        hash.words(&[u32::from(light.visible_to_camera())]);
     }
     let mut meshes = HashMap::new();
     for object in &scene.objects {
@@ -103,6 +104,20 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.tag("grains");
     hash.0.update(&grains.0);
     *hash.0.finalize().as_bytes()
+}
+
+fn hash_ice(hash: &mut Hash, ice: &IceDescription) {
+    hash.doubles(&[ice.ior]);
+    match ice.absorption {
+        Absorption::Grey(per_metre) => hash.doubles(&[per_metre]),
+        Absorption::Measured(source) => hash.tag(source.name()),
+    }
+    for impurity in &ice.impurities {
+        hash.tag(impurity.kind.name());
+        match impurity.load {
+            Load::MassFraction(load) | Load::CellsPerKilogram(load) => hash.doubles(&[load]),
+        }
+    }
 }
 
 /// Digest of a mesh, whose placements share it.

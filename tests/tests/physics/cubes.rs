@@ -5,6 +5,7 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Layer, Picture, PixelRect};
 use snowgrain_grains::{LatticeKind, LatticeSettings};
 use snowgrain_math::{Aabb, DVec3};
+use snowgrain_optics::Illuminant;
 use snowgrain_render::camera::Camera;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
@@ -21,7 +22,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> SceneDescription {
     let center = DVec3::splat(0.5 * f64::from(side));
     SceneDescription {
-        film: FilmDescription { width: pixels, height: pixels, samples_per_pixel: 1, seed: 7 },
+        film: FilmDescription::new(pixels, pixels, 1, 7),
         camera: CameraDescription {
             from: center + direction.normalize() * (distance * f64::from(side)),
             at: center,
@@ -29,8 +30,12 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
             vertical_fov_degrees: 40.0,
             backdrop: [0.0; 3],
         },
-        ice: IceDescription { ior: crate::ETA, absorption_per_metre: 0.0 },
-        lights: vec![LightDescription::Sky { radiance: [1.0; 3], visible_to_camera: true }],
+        ice: IceDescription::clear(crate::ETA),
+        lights: vec![LightDescription::Sky {
+            radiance: [1.0; 3],
+            spectrum: Illuminant::D65,
+            visible_to_camera: true,
+        }],
         objects: Vec::new(),
         snow: vec![SnowDescription::Lattice(LatticeSettings {
             kind: LatticeKind::Sc,

@@ -8,6 +8,7 @@ use snowgrain_geometry::Quantisation;
 use snowgrain_grains::measures::{Slab, mean_surface_height, union_solid_fraction};
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, Radii, Snowfall};
 use snowgrain_math::{DAffine3, DVec3};
+use snowgrain_optics::{Absorption, Illuminant};
 use snowgrain_render::Scene;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
@@ -70,7 +71,7 @@ fn pile(
         * DAffine3::from_rotation_y(0.4)
         * DAffine3::from_scale(DVec3::splat(0.15 * width));
     SceneDescription {
-        film: FilmDescription { width: 48, height: 32, samples_per_pixel: 1, seed: 11 },
+        film: FilmDescription::new(48, 32, 1, 11),
         camera: CameraDescription {
             from: DVec3::new(0.2, 1.5, 1.6) * width,
             at: DVec3::new(0.0, 0.2, 0.0) * width,
@@ -78,7 +79,7 @@ fn pile(
             vertical_fov_degrees: 28.0,
             backdrop: [0.0; 3],
         },
-        ice: IceDescription { ior: 1.32, absorption_per_metre: 0.0 },
+        ice: IceDescription::clear(1.32),
         lights,
         objects: vec![
             object(ObjectShape::Plane, DAffine3::IDENTITY),
@@ -98,7 +99,11 @@ fn pile(
 /// box notwithstanding.
 #[test]
 fn a_deep_deposit_in_a_furnace_is_exactly_one_everywhere() {
-    let light = LightDescription::Uniform { radiance: [1.0; 3], visible_to_camera: true };
+    let light = LightDescription::Uniform {
+        radiance: [1.0; 3],
+        spectrum: Illuminant::D65,
+        visible_to_camera: true,
+    };
     let grains = samples(200_000, 1_000_000);
     let description = pile(grains, 0.1, [1.0; 3], vec![light]);
     let scene = Scene::build(&description, &mut |_| ()).unwrap();
@@ -167,9 +172,13 @@ fn a_pile_with_overlaps_shows_its_void_and_traps_nothing() {
 /// kernels and in the oracle.
 #[test]
 fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
-    let light = LightDescription::Sky { radiance: [1.0; 3], visible_to_camera: true };
+    let light = LightDescription::Sky {
+        radiance: [1.0; 3],
+        spectrum: Illuminant::D65,
+        visible_to_camera: true,
+    };
     let mut description = pile(20_000, 0.03, [0.8, 0.4, 0.1], vec![light]);
-    description.ice.absorption_per_metre = 3.0;
+    description.ice.absorption = Absorption::Grey(3.0);
     let scene = Scene::build(&description, &mut |_| ()).unwrap();
     let whole = PixelRect::new(0, 0, 48, 32);
     let spp = samples(16, 300);
@@ -204,7 +213,7 @@ fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
         ),
         width: 48,
         seed: description.film.seed,
-        absorption: description.ice.absorption_per_metre,
+        absorption: 3.0,
         light: sky,
         backdrop: sky,
     };

@@ -6,6 +6,7 @@
 
 #![expect(clippy::unwrap_used, reason = "what cannot go on fails the test")]
 
+mod colours;
 mod cubes;
 mod deposits;
 mod grain;

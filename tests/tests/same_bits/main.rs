@@ -8,7 +8,7 @@
 mod golden;
 
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Film, FilmIdentity, Picture, PixelRect};
+use snowgrain_film::{Film, Picture, PixelRect};
 use snowgrain_formats::scene::{Loader, SceneFile, resolve};
 use snowgrain_formats::{read_film, read_grains, write_film, write_grains};
 use snowgrain_math::sampler::split_mix;
@@ -152,9 +152,7 @@ fn sample_ranges_rendered_apart_merge_in_any_order() {
         let expected = part(&scene, samples, whole(&scene), level);
         let ranges = [0..1u64, 1..2, 2..5, 5..9, 9..11];
         for seed in 0..3 {
-            let identity = FilmIdentity { scene_hash: scene.hash, seed: scene.film.seed };
-            let (width, height) = (scene.film.width, scene.film.height);
-            let mut merged = Film::new(width, height, whole(&scene), identity).unwrap();
+            let mut merged = expected.empty_copy().unwrap();
             let folder = tempfile::tempdir().unwrap();
             for index in shuffled(ranges.len(), seed) {
                 let film = part(&scene, ranges[index].clone(), whole(&scene), level);

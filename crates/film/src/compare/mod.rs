@@ -29,7 +29,7 @@ pub struct Comparison {
 /// Compares a picture with a reference; `exposure` in stops and `pixels_per_degree` serve FLIP only.
 ///
 /// # Errors
-/// A picture without colour, or pictures that do not cover the same pixels.
+/// A picture without colour, or pictures that do not cover the same pixels or have other primaries.
 pub fn compare(
     picture: &Picture,
     reference: &Picture,
@@ -39,6 +39,10 @@ pub fn compare(
     if picture.window() != reference.window() {
         let (ours, theirs) = (picture.window(), reference.window());
         return Err(FilmError::PicturesDiffer { ours, theirs });
+    }
+    if picture.primaries != reference.primaries {
+        let (ours, theirs) = (picture.primaries.name(), reference.primaries.name());
+        return Err(FilmError::PrimariesDiffer { ours, theirs });
     }
     let rmse = rmse(picture, reference)?;
     let reference_mean = reference.mean_radiance()?;

@@ -1,8 +1,12 @@
 //! OpenEXR: scene-linear layers in 32-bit floats.
 //!
 //! One part, channels named as [`Layer::name`] says (the format demands alphabetical order in the
-//! file), ZIP compression, chromaticities of Rec. 709, and where known the attributes
+//! file), ZIP compression, chromaticities of the primaries, and where known the attributes
 //! `samplesPerPixel`, `seed`, `sceneHash` and `software` (name and version).
+//!
+//! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
+//! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
+//! attributes `spectralLayoutVersion` and `emissiveUnits`.
 
 use super::{check_size, picture_fault};
 use crate::atomic;
@@ -16,7 +20,8 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers};
-use snowgrain_film::{Layer, Picture, PixelRect, Provenance};
+use snowgrain_film::{Layer, Picture, PixelRect, Provenance, SpectralLayer};
+use snowgrain_optics::Primaries;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
@@ -42,15 +47,24 @@ pub fn write_exr(path: &Path, picture: &Picture) -> Result<(), FormatsError> {
 
 fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     let window = picture.window();
-    let channels = picture
-        .layers()
-        .map(|(layer, values)| AnyChannel::new(layer.name(), FlatSamples::F32(values.to_vec())))
-        .collect();
+    let channel =
+        |name: &str, values: &[f32]| AnyChannel::new(name, FlatSamples::F32(values.to_vec()));
+    let layers = picture.layers().map(|(layer, values)| channel(layer.name(), values));
+    let spectral = picture
+        .spectrum
+        .iter()
+        .map(|layer| channel(&spectral_name(layer.wavelength_nm), &layer.values));
+    let channels = layers.chain(spectral).collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
     if let Some(provenance) = &picture.provenance {
         attributes.other.extend(described(provenance));
+    }
+    if !picture.spectrum.is_empty() {
+        let texts = [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1")];
+        let texts = texts.map(|(name, text)| (Text::from(name), AttributeValue::Text(text.into())));
+        attributes.other.extend(texts);
     }
     let part = Part::new(
         (window.width() as usize, window.height() as usize),
@@ -67,18 +81,45 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
         ImageAttributes::new(IntegerBounds::from_dimensions(size)),
         vec![part].into_iter().collect::<exr::image::Layers<_>>(),
     );
-    image.attributes.chromaticities = Some(REC_709);
+    image.attributes.chromaticities = Some(chromaticities(picture.primaries));
     let mut bytes = Vec::new();
     image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
     Ok(with_sorted_attributes(bytes))
 }
 
-const REC_709: Chromaticities = Chromaticities {
-    red: Vec2(0.64, 0.33),
-    green: Vec2(0.30, 0.60),
-    blue: Vec2(0.15, 0.06),
-    white: Vec2(0.3127, 0.3290),
-};
+/// The channel of a wavelength: the whole and the broken part of nanometres with a comma between.
+fn spectral_name(wavelength_nm: f64) -> String {
+    format!("S0.{}nm", format!("{wavelength_nm:?}").replace('.', ","))
+}
+
+/// The wavelength of such a channel, nm.
+fn spectral_wavelength(name: &str) -> Option<f64> {
+    let digits = name.strip_prefix("S0.")?.strip_suffix("nm")?;
+    let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == ',');
+    plain.then(|| digits.replace(',', ".").parse().ok()).flatten()
+}
+
+fn chromaticities(primaries: Primaries) -> Chromaticities {
+    let [red, green, blue, white] =
+        primaries.chromaticities().map(|[x, y]| Vec2(x as f32, y as f32));
+    Chromaticities { red, green, blue, white }
+}
+
+/// The primaries of these chromaticities, to the third digit; where there are none, those that the
+/// format says (Rec. 709).
+fn primaries(written: Option<Chromaticities>) -> Result<Primaries, Fault> {
+    let Some(written) = written else { return Ok(Primaries::Srgb) };
+    let coordinates = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
+    let near = |a: Vec2<f32>, b: Vec2<f32>| (a.0 - b.0).abs().max((a.1 - b.1).abs()) < 1e-3;
+    let found = Primaries::ALL.into_iter().find(|&known| {
+        let known = coordinates(chromaticities(known));
+        coordinates(written).into_iter().zip(known).all(|(a, b)| near(a, b))
+    });
+    found.ok_or_else(|| {
+        let what = format!("its primaries are not known (chromaticities {written:?})");
+        Fault::whole(what, "convert it to those of sRGB or ACEScg")
+    })
+}
 
 fn described(provenance: &Provenance) -> [(Text, AttributeValue); 3] {
     let samples = i32::try_from(provenance.samples_per_pixel).unwrap_or(i32::MAX);
@@ -135,10 +176,17 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
     let part = &image.layer_data;
     let mut picture = empty_picture(&image.attributes, &part.attributes, part.size)?;
     for channel in &part.channel_data.list {
-        let Some(layer) = Layer::from_name(&channel.name.to_string()) else { continue };
-        let values = channel.sample_data.values_as_f32().collect();
-        picture.set_layer(layer, values).map_err(|error| picture_fault(&error))?;
+        let name = channel.name.to_string();
+        if let Some(layer) = Layer::from_name(&name) {
+            let values = channel.sample_data.values_as_f32().collect();
+            picture.set_layer(layer, values).map_err(|error| picture_fault(&error))?;
+        } else if let Some(wavelength_nm) = spectral_wavelength(&name) {
+            let values = channel.sample_data.values_as_f32().collect();
+            picture.spectrum.push(SpectralLayer { wavelength_nm, values });
+        }
     }
+    picture.spectrum.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
+    picture.primaries = primaries(image.attributes.chromaticities)?;
     picture.provenance = provenance(&part.attributes);
     Ok(picture)
 }
@@ -216,6 +264,9 @@ mod tests {
             picture.set_layer(layer, (0..window.area()).map(value).collect()).unwrap();
         }
         picture.set_layer(Layer::Depth, vec![f32::INFINITY; 400]).unwrap();
+        picture.spectrum = [400.0, 555.5, 700.0]
+            .map(|nm| SpectralLayer { wavelength_nm: nm, values: vec![nm as f32 * 1e-3; 400] })
+            .to_vec();
         let hash = std::array::from_fn(|i| i as u8 * 7);
         picture.provenance =
             Some(Provenance { scene_hash: hash, seed: u64::MAX, samples_per_pixel: 64 });
@@ -225,6 +276,29 @@ mod tests {
     #[test]
     fn layers_windows_and_provenance_come_back_exactly() {
         assert_eq!(decode(&encode(&picture()).unwrap()).unwrap(), picture());
+    }
+
+    #[test]
+    fn spectral_channels_are_named_by_their_wavelength() {
+        assert_eq!(spectral_name(550.0), "S0.550,0nm");
+        assert_eq!(spectral_name(412.25), "S0.412,25nm");
+        assert_eq!(spectral_wavelength("S0.412,25nm"), Some(412.25));
+        for other in ["S0.nm", "S1.550,0nm", "S0.-5nm", "R", "S0.5,5,5nm"] {
+            assert_eq!(spectral_wavelength(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn primaries_come_back_and_unknown_ones_are_refused() {
+        let mut aces = picture();
+        aces.primaries = Primaries::AcesCg;
+        assert_eq!(decode(&encode(&aces).unwrap()).unwrap(), aces);
+        let mut bytes = encode(&picture()).unwrap();
+        let name = b"chromaticities\0chromaticities\0\x20\0\0\0";
+        let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+        bytes[at..][..4].copy_from_slice(&0.9f32.to_le_bytes());
+        let error = decode(&bytes).unwrap_err().of(Path::new("a.exr")).to_string();
+        assert!(error.contains("primaries") && error.contains("ACEScg"), "{error}");
     }
 
     #[test]

@@ -3,12 +3,13 @@
 //! The doc comments here are the manual of the format: the JSON Schema and the error messages quote
 //! them. [`super::resolve`] says what a document means.
 
-use super::quantity::{Length, Triple};
+use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// A Snowgrain scene, version 1. Lengths are numbers (metres) or strings with a unit ("0.5 mm");
-/// y is up; colours are linear RGB.
+/// y is up; colours are linear sRGB.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneDocument {
@@ -48,11 +49,44 @@ pub struct FilmTable {
     pub samples_per_pixel: u32,
     /// Seed of the random numbers of light: a whole number; default 0.
     pub seed: u64,
+    /// Primaries of the picture: "srgb" or "acescg"; default "srgb". All colours in a scene are of
+    /// sRGB whatever they are.
+    pub primaries: PrimariesName,
+    /// What a .film file keeps beside the picture: ["ice-paths"], each pixel's light by length in
+    /// ice, so that ice and impurities can be chosen after the render (768 bytes a pixel for each
+    /// spectrum of lights); default [], nothing.
+    pub keep: Vec<KeepName>,
+}
+
+/// Primaries of pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum PrimariesName {
+    /// sRGB and Rec. 709.
+    #[default]
+    Srgb,
+    /// ACEScg (AP1).
+    Acescg,
+}
+
+/// What a film may keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum KeepName {
+    /// Light by length in ice.
+    IcePaths,
 }
 
 impl Default for FilmTable {
     fn default() -> Self {
-        Self { width: 512, height: 512, samples_per_pixel: 64, seed: 0 }
+        Self {
+            width: 512,
+            height: 512,
+            samples_per_pixel: 64,
+            seed: 0,
+            primaries: PrimariesName::default(),
+            keep: Vec::new(),
+        }
     }
 }
 
@@ -88,19 +122,25 @@ fn black() -> Triple {
     Triple([0.0; 3])
 }
 
-/// Optical constants of the ice.
+/// The ice, and what lies between its grains.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IceTable {
     /// Index of refraction, 1 to 4; default 1.31 (the paper uses 1.32).
     pub ior: f64,
-    /// Grey absorption coefficient in 1/m, at least 0; default 0.
-    pub absorption: f64,
+    /// What the ice absorbs: "picard-2016" or "warren-brandt-2008" (as measured, with its colour;
+    /// they differ below 600 nm), or one number for all wavelengths, in 1/m, at least 0; default
+    /// "picard-2016".
+    pub absorption: Absorption,
+    /// Impurities between all grains, { black-carbon = "200 ppb" }: a load for each name. Loads are
+    /// by mass of ice (ppb, ng/g, ppm, ug/g, mg/kg), by volume of ice (vol, the paper's P), or for
+    /// algae in cells/mL of melt water; default none.
+    pub impurities: BTreeMap<String, LoadText>,
 }
 
 impl Default for IceTable {
     fn default() -> Self {
-        Self { ior: 1.31, absorption: 0.0 }
+        Self { ior: 1.31, absorption: Absorption::default(), impurities: BTreeMap::new() }
     }
 }
 
@@ -113,6 +153,10 @@ pub struct LightTable {
     /// Radiance: one number or [r, g, b], at least 0; default 1.
     #[serde(default = "one")]
     pub radiance: Triple,
+    /// Spectrum, of which `radiance` is the brightness and tint: "d65" (daylight), "d55" (mid-morning
+    /// daylight), "a" (an incandescent lamp) or "equal-energy"; default "d65", the white of pictures.
+    #[serde(default)]
+    pub spectrum: SpectrumName,
     /// Whether the camera sees it behind everything (else it sees camera.backdrop): true or false;
     /// default true.
     #[serde(default = "yes")]
@@ -125,6 +169,21 @@ fn one() -> Triple {
 
 fn yes() -> bool {
     true
+}
+
+/// Spectra of lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpectrumName {
+    /// CIE D65.
+    #[default]
+    D65,
+    /// CIE D55.
+    D55,
+    /// CIE A.
+    A,
+    /// The same power at every wavelength.
+    EqualEnergy,
 }
 
 /// Kinds of light.

@@ -320,7 +320,7 @@ backdrop = [0.03, 0.035, 0.045]  # dark slate: white snow stands out
 
 [ice]
 ior = 1.31
-absorption = 0.0
+absorption = "picard-2016"
 
 [[light]]                        # overcast; the camera sees the backdrop instead
 kind = "sky"

@@ -26,6 +26,6 @@ pub use builtin::{BuiltinScene, builtin_scene, builtin_scenes};
 pub use error::{LoadError, SceneError};
 pub use mesh_scene::{MeshScene, MeshSceneOptions, MeshUnits, UpAxis, scene_for_mesh};
 pub use parse::{MAX_SCENE_BYTES, SCENE_VERSION, SceneFile};
-pub use quantity::{Length, Triple};
+pub use quantity::{Absorption, Length, LoadText, Triple};
 pub use resolve::{Loader, ReadGrains, ReadMesh, furnace, resolve};
 pub use schema::schema;

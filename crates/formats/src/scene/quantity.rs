@@ -3,6 +3,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use snowgrain_optics::IceAbsorption;
 use std::borrow::Cow;
 use std::fmt;
 
@@ -101,6 +102,104 @@ impl JsonSchema for Length {
                 { "type": "number" },
                 { "type": "string", "pattern": "^\\s*[-+0-9.eE]+\\s*(um|\u{b5}m|\u{3bc}m|mm|cm|m|km|in)\\s*$" }
             ]
+        })
+    }
+}
+
+/// What ice absorbs: the name of a source, or a number of 1/m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Absorption(pub snowgrain_optics::Absorption);
+
+impl<'de> Deserialize<'de> for Absorption {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl Visitor<'_> for Reader {
+            type Value = Absorption;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{} or a number of 1/m", source_names())
+            }
+
+            fn visit_f64<E: Error>(self, per_metre: f64) -> Result<Absorption, E> {
+                Ok(Absorption(snowgrain_optics::Absorption::Grey(per_metre)))
+            }
+
+            fn visit_i64<E: Error>(self, per_metre: i64) -> Result<Absorption, E> {
+                self.visit_f64(per_metre as f64)
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Absorption, E> {
+                let source = IceAbsorption::ALL.into_iter().find(|source| source.name() == name);
+                source
+                    .map(|source| Absorption(snowgrain_optics::Absorption::Measured(source)))
+                    .ok_or_else(|| {
+                        E::custom(format!("expected {} or a number of 1/m", source_names()))
+                    })
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+fn source_names() -> String {
+    IceAbsorption::ALL.map(|source| format!("\"{}\"", source.name())).join(", ")
+}
+
+impl JsonSchema for Absorption {
+    fn schema_name() -> Cow<'static, str> {
+        "Absorption".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "The name of a source, or a number of 1/m.",
+            "anyOf": [
+                { "type": "number", "minimum": 0 },
+                { "enum": IceAbsorption::ALL.map(IceAbsorption::name) }
+            ]
+        })
+    }
+}
+
+/// A load of an impurity as written: a number or text with a unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadText(pub String);
+
+impl<'de> Deserialize<'de> for LoadText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl Visitor<'_> for Reader {
+            type Value = LoadText;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a load: a mass fraction, or a string like \"200 ppb\"")
+            }
+
+            fn visit_f64<E: Error>(self, fraction: f64) -> Result<LoadText, E> {
+                Ok(LoadText(fraction.to_string()))
+            }
+
+            fn visit_i64<E: Error>(self, fraction: i64) -> Result<LoadText, E> {
+                Ok(LoadText(fraction.to_string()))
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<LoadText, E> {
+                Ok(LoadText(text.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+impl JsonSchema for LoadText {
+    fn schema_name() -> Cow<'static, str> {
+        "Load".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "A load: a mass fraction, or a string with a unit (ppb, ng/g, ppm, ug/g, mg/kg, vol; cells/mL for algae).",
+            "anyOf": [{ "type": "number", "minimum": 0 }, { "type": "string" }]
         })
     }
 }

@@ -4,16 +4,22 @@ mod checks;
 mod objects;
 mod snow;
 
-use super::document::{IntegratorName, LightKind, PackingName};
+use super::document::{
+    IntegratorName, KeepName, LightKind, PackingName, PrimariesName, SpectrumName,
+};
+use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
+use crate::laboratory::{impurity_kind, parse_load};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_math::DVec3;
+use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
     SceneDescription,
 };
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -84,6 +90,11 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
         height: film.height,
         samples_per_pixel: film.samples_per_pixel,
         seed: film.seed,
+        primaries: match film.primaries {
+            PrimariesName::Srgb => Primaries::Srgb,
+            PrimariesName::Acescg => Primaries::AcesCg,
+        },
+        keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
     })
 }
 
@@ -121,10 +132,26 @@ fn ice(checks: &Checks<'_>) -> Result<IceDescription, SceneError> {
     if !(1.0..=4.0).contains(&ice.ior) {
         return Err(checks.bad("ice.ior", "must be 1 to 4 (ice has 1.31)"));
     }
-    if !(ice.absorption >= 0.0 && ice.absorption.is_finite()) {
+    if let Absorption::Grey(per_metre) = ice.absorption.0
+        && !(per_metre >= 0.0 && per_metre.is_finite())
+    {
         return Err(checks.bad("ice.absorption", "must be a finite number of 1/m, at least 0"));
     }
-    Ok(IceDescription { ior: ice.ior, absorption_per_metre: ice.absorption })
+    let impurities = impurities(checks, "ice.impurities", &ice.impurities)?;
+    Ok(IceDescription { ior: ice.ior, absorption: ice.absorption.0, impurities })
+}
+
+/// The loads at a key.
+fn impurities(
+    checks: &Checks<'_>,
+    key: &str,
+    loads: &BTreeMap<String, LoadText>,
+) -> Result<Vec<Impurity>, SceneError> {
+    let impurity = |(name, load): (&String, &LoadText)| {
+        let kind = impurity_kind(name)?;
+        Ok(Impurity { kind, load: parse_load(kind, &load.0)? })
+    };
+    loads.iter().map(impurity).collect::<Result<_, String>>().map_err(|mend| checks.bad(key, mend))
 }
 
 fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
@@ -136,9 +163,17 @@ fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
     let describe = |(i, light): (usize, &super::document::LightTable)| {
         let radiance = checks.radiance(&format!("light.{i}.radiance"), light.radiance)?;
         let visible_to_camera = light.visible_to_camera;
+        let spectrum = match light.spectrum {
+            SpectrumName::D65 => Illuminant::D65,
+            SpectrumName::D55 => Illuminant::D55,
+            SpectrumName::A => Illuminant::A,
+            SpectrumName::EqualEnergy => Illuminant::EqualEnergy,
+        };
         Ok(match light.kind {
-            LightKind::Sky => LightDescription::Sky { radiance, visible_to_camera },
-            LightKind::Uniform => LightDescription::Uniform { radiance, visible_to_camera },
+            LightKind::Sky => LightDescription::Sky { radiance, spectrum, visible_to_camera },
+            LightKind::Uniform => {
+                LightDescription::Uniform { radiance, spectrum, visible_to_camera }
+            }
         })
     };
     lights.iter().enumerate().map(describe).collect()
@@ -148,8 +183,12 @@ fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
 /// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
 #[must_use]
 pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
-    scene.ice.absorption_per_metre = 0.0;
-    scene.lights = vec![LightDescription::Uniform { radiance: [1.0; 3], visible_to_camera: true }];
+    scene.ice = IceDescription::clear(scene.ice.ior);
+    scene.lights = vec![LightDescription::Uniform {
+        radiance: [1.0; 3],
+        spectrum: Illuminant::D65,
+        visible_to_camera: true,
+    }];
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.albedo = [1.0; 3];

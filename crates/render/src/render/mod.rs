@@ -7,6 +7,7 @@
 //! A tile's lock is taken once a batch and hardly ever found held, and nothing else is shared. Sums
 //! are exact, so the film is the same whatever the threads, tiles and passes were.
 
+mod batch;
 mod passes;
 mod stream;
 mod tile_sums;
@@ -16,7 +17,7 @@ use crate::transport::trace;
 use crate::{RenderError, Scene};
 use passes::Passes;
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Film, FilmError, FilmIdentity, Layer, Picture, PixelRect};
+use snowgrain_film::{Film, FilmError, FilmIdentity, IcePathLayout, Layer, Picture, PixelRect};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -106,6 +107,12 @@ pub fn render_with<T>(
     let identity = FilmIdentity { scene_hash: scene.hash, seed: scene.film.seed };
     let crop = settings.crop;
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
+    film.grade = scene.grade.clone();
+    if scene.film.keep_ice_paths {
+        let lights = scene.environment.spectra().len() as u32;
+        let greatest = scene.environment.greatest_radiance();
+        film = film.keeping_ice_paths(IcePathLayout::for_radiance(lights, greatest))?;
+    }
     let rendering = Rendering::new(scene, settings, &mut film);
     let result = work(&rendering);
     let (complete, done) = (rendering.passes.complete(), rendering.passes.samples());
@@ -181,6 +188,7 @@ impl<'a> Rendering<'a> {
             }
         }
         let mut picture = Picture::new(self.scene.film.width, self.scene.film.height, crop)?;
+        picture.primaries = self.scene.film.primaries;
         for (layer, values) in Layer::COLOUR.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }

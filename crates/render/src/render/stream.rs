@@ -4,15 +4,14 @@
 //! not, so that the lanes of the flight stay full. A sample that comes back waits with others of its
 //! task until there are enough of them to lock the tile and add them all.
 
+use super::batch::Batch;
 use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
-use crate::RenderError;
-use crate::statistics::Statistics;
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource};
+use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
 use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::trig;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -47,9 +46,8 @@ struct OpenTask {
     dealt: bool,
     /// Paths so far.
     paths: u64,
-    samples: Vec<((u32, u32), Sample)>,
-    /// Counts of the samples that wait.
-    statistics: Statistics,
+    /// What waits.
+    batch: Batch,
 }
 
 /// The task whose paths are being dealt out: pixel by pixel in Morton order, so that paths that are
@@ -87,12 +85,13 @@ impl PathSource for Stream<'_, '_> {
         if path.end == PathEnd::Enclosed {
             self.rendering.fail(RenderError::Enclosed { x, y });
         }
-        let sample = self.sample_of(path);
+        let scene = self.rendering.scene;
         let task = &mut self.open[slot as usize];
-        task.statistics.count(path);
-        task.samples.push(((x, y), sample));
+        task.batch.statistics.count(path);
+        let radiance = task.batch.add_light(scene, (x, y), path);
+        task.batch.samples.push(((x, y), sample_of(scene, path, radiance)));
         task.under_way -= 1;
-        if task.samples.len() == BATCH {
+        if task.batch.samples.len() == BATCH {
             self.flush_task(slot);
         }
         self.close_if_done(slot);
@@ -178,15 +177,8 @@ impl<'a, 'film> Stream<'a, 'film> {
             return false;
         };
         let rect = self.rendering.tiles[tile].rect;
-        let open = OpenTask {
-            pass,
-            tile,
-            under_way: 0,
-            dealt: false,
-            paths: 0,
-            samples: Vec::new(),
-            statistics: Statistics::default(),
-        };
+        let open =
+            OpenTask { pass, tile, under_way: 0, dealt: false, paths: 0, batch: Batch::default() };
         let slot = self.slot_for(open);
         let samples = part.samples().clone();
         let mut dealing = Dealing {
@@ -210,12 +202,12 @@ impl<'a, 'film> Stream<'a, 'film> {
         match self.free.pop() {
             Some(slot) => {
                 // The memory of the samples is used again.
-                task.samples = std::mem::take(&mut self.open[slot as usize].samples);
+                task.batch = std::mem::take(&mut self.open[slot as usize].batch);
                 self.open[slot as usize] = task;
                 slot
             }
             None => {
-                task.samples.reserve_exact(BATCH);
+                task.batch.samples.reserve_exact(BATCH);
                 self.open.push(task);
                 self.open.len() as u32 - 1
             }
@@ -241,46 +233,31 @@ impl<'a, 'film> Stream<'a, 'film> {
     /// Adds the samples of a task that wait.
     fn flush_task(&mut self, slot: u32) {
         let task = &mut self.open[slot as usize];
-        if task.samples.is_empty() {
+        if task.batch.samples.is_empty() {
             return;
         }
         let complete = self.rendering.passes.complete();
-        let added = self.rendering.tiles[task.tile].lock().add(
-            task.pass.index,
-            &task.samples,
-            &task.statistics,
-            complete,
-        );
+        let added =
+            self.rendering.tiles[task.tile].lock().add(task.pass.index, &task.batch, complete);
         if let Err(fault) = added {
             self.rendering.fail(fault.into());
         }
-        task.paths += task.samples.len() as u64;
-        task.samples.clear();
-        task.statistics = Statistics::default();
+        task.paths += task.batch.samples.len() as u64;
+        task.batch.clear();
     }
+}
 
-    fn sample_of(&self, path: &PathResult) -> Sample {
-        let scene = self.rendering.scene;
-        let radiance = match (path.end, path.first_hit) {
-            (PathEnd::Escaped(ray), None) => scene.environment.seen_by_camera(ray.direction),
-            (PathEnd::Escaped(ray), Some(_)) => {
-                let light = scene.environment.radiance(ray.direction);
-                let ice = -scene.ice.absorption_per_metre * path.ice_length;
-                let ice = if ice == 0.0 { 1.0 } else { trig::exp(ice) as f32 };
-                std::array::from_fn(|c| light[c] * path.throughput[c] * ice)
-            }
-            (PathEnd::Absorbed | PathEnd::Enclosed, _) => [0.0; 3],
-        };
-        match path.first_hit {
-            None => Sample { radiance, alpha: 0.0, depth: f32::INFINITY, ..Sample::default() },
-            Some(hit) => Sample {
-                radiance,
-                alpha: 1.0,
-                albedo: hit.albedo,
-                normal: hit.normal.to_array().map(|v| v as f32),
-                depth: scene.camera.depth(hit.position) as f32,
-            },
-        }
+/// A path as a sample of this radiance.
+fn sample_of(scene: &Scene, path: &PathResult, radiance: [f32; 3]) -> Sample {
+    match path.first_hit {
+        None => Sample { radiance, alpha: 0.0, depth: f32::INFINITY, ..Sample::default() },
+        Some(hit) => Sample {
+            radiance,
+            alpha: 1.0,
+            albedo: hit.albedo,
+            normal: hit.normal.to_array().map(|v| v as f32),
+            depth: scene.camera.depth(hit.position) as f32,
+        },
     }
 }
 

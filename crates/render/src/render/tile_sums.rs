@@ -3,8 +3,9 @@
 //! A stopped render keeps the passes that are complete over the whole picture, so what belongs to
 //! later ones stays apart until they are. Sums are moved together when the tile is next touched.
 
+use super::batch::Batch;
 use crate::statistics::Statistics;
-use snowgrain_film::{FilmError, FilmTile, FilmTileMut, PixelRect, PixelSums, Sample};
+use snowgrain_film::{FilmError, FilmTile, FilmTileMut, PixelRect, PixelSums};
 
 /// Pixels of the first pass that come first have columns and rows, from the tile's corner, that are
 /// multiples of this.
@@ -37,32 +38,33 @@ impl<'a> TileSums<'a> {
         self.base.rect()
     }
 
-    /// Adds samples of pass number `pass`, by pixel; `complete` passes are complete.
+    /// Adds samples of pass number `pass`; `complete` passes are complete.
     ///
     /// # Errors
     /// A sample that the film cannot hold; no memory.
-    pub(super) fn add(
-        &mut self,
-        pass: u64,
-        samples: &[((u32, u32), Sample)],
-        statistics: &Statistics,
-        complete: u64,
-    ) -> Result<(), FilmError> {
+    pub(super) fn add(&mut self, pass: u64, batch: &Batch, complete: u64) -> Result<(), FilmError> {
         self.settle(complete)?;
+        let (mut samples, mut ice_paths) = (batch.samples.iter(), batch.ice_paths());
         if pass == 0 {
-            self.statistics.add(statistics);
-            return samples.iter().try_for_each(|((x, y), sample)| self.base.add(*x, *y, sample));
+            self.statistics.add(&batch.statistics);
+            let film = &mut self.base;
+            samples.try_for_each(|((x, y), sample)| film.add(*x, *y, sample))?;
+            return ice_paths.try_for_each(|((x, y), length, weights)| {
+                film.add_ice_path(x, y, length, weights)
+            });
         }
         let ahead = self.ahead_of(pass)?;
-        ahead.statistics.add(statistics);
-        samples.iter().try_for_each(|((x, y), sample)| ahead.film.add(*x, *y, sample))
+        ahead.statistics.add(&batch.statistics);
+        let film = &mut ahead.film;
+        samples.try_for_each(|((x, y), sample)| film.add(*x, *y, sample))?;
+        ice_paths.try_for_each(|((x, y), length, weights)| film.add_ice_path(x, y, length, weights))
     }
 
     fn ahead_of(&mut self, pass: u64) -> Result<&mut Ahead, FilmError> {
         let at = match self.ahead.iter().position(|ahead| ahead.pass == pass) {
             Some(at) => at,
             None => {
-                let film = self.spare.take().map_or_else(|| FilmTile::new(self.rect()), Ok)?;
+                let film = self.spare.take().map_or_else(|| self.base.empty_copy(), Ok)?;
                 self.ahead.push(Ahead { pass, film, statistics: Statistics::default() });
                 self.ahead.len() - 1
             }

@@ -7,8 +7,11 @@ use crate::scene::{
 };
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
 use snowgrain_math::{Aabb, DVec3};
+use snowgrain_optics::{
+    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
+};
 use snowgrain_render::description::{
-    LightDescription, ObjectShape, SceneDescription, SnowDescription,
+    IceDescription, LightDescription, ObjectShape, SceneDescription, SnowDescription,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -31,10 +34,17 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!((scene.film.width, scene.film.height, scene.film.samples_per_pixel), (512, 512, 64));
     assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
     assert_eq!(scene.camera.backdrop, [0.0; 3]);
-    assert_eq!((scene.ice.ior, scene.ice.absorption_per_metre), (1.31, 0.0));
+    assert_eq!(scene.ice.ior, 1.31);
+    assert_eq!(scene.ice.absorption, Absorption::Measured(IceAbsorption::Picard2016));
+    assert!(scene.ice.impurities.is_empty());
+    assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::Srgb, false));
     assert_eq!(
         scene.lights,
-        [LightDescription::Sky { radiance: [1.0; 3], visible_to_camera: true }]
+        [LightDescription::Sky {
+            radiance: [1.0; 3],
+            spectrum: Illuminant::D65,
+            visible_to_camera: true
+        }]
     );
     assert_eq!(scene.objects[0].name, "object.0");
     assert_eq!(scene.objects[0].albedo, [0.5; 3]);
@@ -49,6 +59,30 @@ fn defaults_are_those_of_the_manual() {
         seed: 0,
     };
     assert_eq!(deposit(&scene), &expected);
+}
+
+#[test]
+fn colours_of_ice_light_and_film_arrive() {
+    let scene = read(
+        LEAST,
+        &[
+            "ice.absorption=warren-brandt-2008",
+            "ice.impurities={ black-carbon = \"200 ppb\", snow-algae = \"1e4 cells/mL\" }",
+            "light.spectrum=equal-energy",
+            "film.primaries=acescg",
+            "film.keep=[\"ice-paths\"]",
+        ],
+    )
+    .unwrap();
+    assert_eq!(scene.ice.absorption, Absorption::Measured(IceAbsorption::WarrenBrandt2008));
+    let expected = [
+        Impurity { kind: ImpurityKind::BlackCarbon, load: Load::MassFraction(200.0 * 1e-9) },
+        Impurity { kind: ImpurityKind::SnowAlgae, load: Load::CellsPerKilogram(1e7) },
+    ];
+    assert_eq!(scene.ice.impurities, expected);
+    assert_eq!(scene.lights[0].spectrum(), Illuminant::EqualEnergy);
+    assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::AcesCg, true));
+    assert_eq!(read(LEAST, &["ice.absorption=2"]).unwrap().ice.absorption, Absorption::Grey(2.0));
 }
 
 #[test]
@@ -98,7 +132,11 @@ fn overrides_change_and_add_values() {
     assert_eq!(scene.objects[0].name, "a ball");
     assert_eq!(
         scene.lights,
-        [LightDescription::Uniform { radiance: [1.0, 2.0, 3.0], visible_to_camera: true }]
+        [LightDescription::Uniform {
+            radiance: [1.0, 2.0, 3.0],
+            spectrum: Illuminant::D65,
+            visible_to_camera: true
+        }]
     );
 }
 
@@ -223,11 +261,15 @@ fn a_furnace_has_white_walls_and_one_uniform_light() {
     let scene = furnace(builtin("snowy-teapot"));
     assert_eq!(
         scene.lights,
-        [LightDescription::Uniform { radiance: [1.0; 3], visible_to_camera: true }]
+        [LightDescription::Uniform {
+            radiance: [1.0; 3],
+            spectrum: Illuminant::D65,
+            visible_to_camera: true
+        }]
     );
     assert_eq!(scene.objects[0].albedo, [1.0; 3]);
     assert_eq!(scene.camera.backdrop, [1.0; 3]);
-    assert_eq!(scene.ice.absorption_per_metre, 0.0);
+    assert_eq!(scene.ice, IceDescription::clear(scene.ice.ior));
 }
 
 #[test]

@@ -305,6 +305,16 @@ fn ice_lights_and_objects_are_checked() {
     assert!(set("ice.ior=nan").contains("must be 1 to 4"));
     assert!(set("ice.absorption=-1").contains("must be a finite number of 1/m"));
     assert!(set("ice.absorption=inf").contains("must be a finite number of 1/m"));
+    let unknown = set("ice.absorption=picard");
+    assert!(unknown.contains("\"picard-2016\", \"warren-brandt-2008\" or a number"), "{unknown}");
+    let named = set("ice.impurities={ sot = \"1ppb\" }");
+    assert!(named.contains("no impurity is called 'sot'") && named.contains("black-carbon"));
+    let negative = set("ice.impurities={ black-carbon = \"-1 ppb\" }");
+    assert!(negative.contains("a load of -1 ppb of black-carbon is negative"), "{negative}");
+    let counted = set("ice.impurities={ snow-algae = \"5 ppb\" }");
+    assert!(counted.contains("cells in a millilitre"), "{counted}");
+    assert!(set("light.spectrum=c").contains("\"d65\""));
+    assert!(set("film.keep=[\"ice\"]").contains("ice-paths"));
     assert!(set("light.radiance=1e40").contains("must be finite and not negative"));
     assert!(set("light.radiance=[1,2]").contains("light.0.radiance = [1,2]: expected a number or"));
     assert!(set("light.radiance=[1,2,3,4]").contains("expected three numbers, found more"));

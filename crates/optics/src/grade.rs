@@ -1,0 +1,38 @@
+//! What turns lengths in ice into colours, and may be chosen again after a render.
+
+use crate::{Absorption, IceColour, Illuminant, Impurity, Primaries};
+
+/// The absorption that a scene's light met and the colours that it is told in. Paths do not depend on
+/// it (white Monte Carlo), only their colours do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grade {
+    /// Primaries of the picture.
+    pub primaries: Primaries,
+    /// Spectra of the lights, each once.
+    pub lights: Vec<Illuminant>,
+    /// Absorption of the ice.
+    pub absorption: Absorption,
+    /// What lies between the grains, everywhere alike.
+    pub impurities: Vec<Impurity>,
+    /// Light's path in a grain over that of a sphere that does not refract: by how much less impurities
+    /// beside the grains absorb for each metre of ice ([`crate::sphere::absorption_enhancement`]); 0 where
+    /// there are no impurities.
+    pub enhancement: f64,
+}
+
+impl Grade {
+    /// Absorption per metre of ice, impurities included, 1/m.
+    #[must_use]
+    pub fn per_metre(&self, wavelength_nm: f64) -> f64 {
+        let beside =
+            |impurity: &Impurity| impurity.per_metre_of_ice(wavelength_nm, self.enhancement);
+        self.absorption.per_metre(wavelength_nm) + self.impurities.iter().map(beside).sum::<f64>()
+    }
+
+    /// The colours of each of its lights after any length in ice.
+    #[must_use]
+    pub fn colours(&self) -> Vec<IceColour> {
+        let colour = |&light| IceColour::new(light, self.primaries, |nm| self.per_metre(nm));
+        self.lights.iter().map(colour).collect()
+    }
+}

@@ -1,0 +1,63 @@
+//! Samples of one tile that wait to be added to it.
+
+use crate::Scene;
+use crate::statistics::Statistics;
+use crate::transport::{PathEnd, PathResult};
+use snowgrain_film::Sample;
+
+/// Samples of one tile that wait to be added to it.
+#[derive(Default)]
+pub(super) struct Batch {
+    /// By pixel.
+    pub(super) samples: Vec<((u32, u32), Sample)>,
+    /// Counts of their paths.
+    pub(super) statistics: Statistics,
+    /// Where ice paths are kept, those that brought light: pixel and length in ice, metres.
+    lengths: Vec<((u32, u32), f64)>,
+    /// Of each of them the light of each spectrum, before the ice.
+    weights: Vec<[f32; 3]>,
+}
+
+impl Batch {
+    /// The radiance that a path brings to a pixel. Where ice paths are kept it is added to them.
+    pub(super) fn add_light(
+        &mut self,
+        scene: &Scene,
+        pixel: (u32, u32),
+        path: &PathResult,
+    ) -> [f32; 3] {
+        let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
+        let (lights, length) = match path.first_hit {
+            None => (scene.environment.seen_by_camera(ray.direction), 0.0),
+            Some(_) => (scene.environment.radiances(ray.direction), path.ice_length),
+        };
+        let mut radiance = [0.0; 3];
+        for (light, colour) in lights.iter().zip(&scene.colours) {
+            let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
+            let seen = colour.apply(weight, length);
+            radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            if scene.film.keep_ice_paths {
+                self.weights.push(weight);
+            }
+        }
+        if scene.film.keep_ice_paths {
+            self.lengths.push((pixel, length));
+        }
+        radiance
+    }
+
+    /// The ice paths that are kept: pixel, length in ice (metres), light of each spectrum before the ice.
+    pub(super) fn ice_paths(&self) -> impl Iterator<Item = ((u32, u32), f64, &[[f32; 3]])> {
+        let spectra = self.weights.len() / self.lengths.len().max(1);
+        let weights = self.weights.chunks_exact(spectra.max(1));
+        self.lengths.iter().zip(weights).map(|(&(pixel, length), weights)| (pixel, length, weights))
+    }
+
+    /// Forgets all, but not the memory.
+    pub(super) fn clear(&mut self) {
+        self.samples.clear();
+        self.lengths.clear();
+        self.weights.clear();
+        self.statistics = Statistics::default();
+    }
+}
