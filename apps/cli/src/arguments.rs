@@ -2,6 +2,7 @@
 
 mod compare;
 mod deposit;
+mod develop;
 mod laboratory_values;
 mod measure;
 mod optics;
@@ -16,6 +17,7 @@ use std::process::ExitCode;
 
 pub(crate) use compare::CompareArguments;
 pub(crate) use deposit::DepositArguments;
+pub(crate) use develop::DevelopArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
     AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, PhaseArguments,
@@ -47,6 +49,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     Render(RenderArguments),
     Deposit(DepositArguments),
+    Develop(DevelopArguments),
     Scenes(ScenesArguments),
     Compare(CompareArguments),
     Measure(MeasureArguments),

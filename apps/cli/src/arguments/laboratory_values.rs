@@ -2,8 +2,9 @@
 
 use super::values::length;
 use snowgrain_formats::laboratory::{self, GRAIN_RADII, parse_load};
+use snowgrain_optics::colour::VISIBLE_NM;
 use snowgrain_optics::ice::{WAVELENGTHS_NM, radius_of_specific_surface_area};
-use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, Primaries};
+use snowgrain_optics::{Absorption, IceAbsorption, Illuminant, Impurity, Primaries};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -41,6 +42,25 @@ impl FromStr for Wavelengths {
             Some(wavelength) => Err(format!(
                 "{wavelength} nm is out of range: ice is known from {least} to {greatest} nm"
             )),
+            None => Ok(Self(all)),
+        }
+    }
+}
+
+/// Visible wavelengths, nm.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct VisibleWavelengths(pub(crate) Vec<f64>);
+
+impl FromStr for VisibleWavelengths {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let [least, greatest] = VISIBLE_NM;
+        let Wavelengths(all) = text.parse()?;
+        match all.iter().find(|wavelength| !(least..=greatest).contains(*wavelength)) {
+            Some(wavelength) => {
+                Err(format!("{wavelength} nm is not visible: write {least} to {greatest} nm"))
+            }
             None => Ok(Self(all)),
         }
     }
@@ -148,6 +168,28 @@ fn named<T: Copy>(all: &[T], name: fn(T) -> &'static str, wanted: &str) -> Resul
 /// A source of the absorption of ice.
 pub(super) fn ice_absorption(name: &str) -> Result<IceAbsorption, String> {
     named(&IceAbsorption::ALL, IceAbsorption::name, name)
+}
+
+/// An absorption of ice: a source or 1/m.
+pub(super) fn absorption(text: &str) -> Result<Absorption, String> {
+    if let Ok(per_metre) = text.trim().parse::<f64>() {
+        return if per_metre >= 0.0 && per_metre.is_finite() {
+            Ok(Absorption::Grey(per_metre))
+        } else {
+            Err("write a finite number of 1/m, at least 0".into())
+        };
+    }
+    ice_absorption(text)
+        .map(Absorption::Measured)
+        .map_err(|names| format!("{names} or a number of 1/m"))
+}
+
+/// One load of an impurity.
+pub(super) fn impurity(text: &str) -> Result<Impurity, String> {
+    match text.parse::<ImpurityLoads>()?.0[..] {
+        [impurity] => Ok(impurity),
+        _ => Err("write one load, as black-carbon=100ppb".into()),
+    }
 }
 
 /// A standard light.

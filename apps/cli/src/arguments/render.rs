@@ -1,5 +1,6 @@
 //! `snowgrain render` as typed.
 
+use super::laboratory_values::VisibleWavelengths;
 use super::values;
 use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size};
 use clap::Args;
@@ -56,6 +57,16 @@ pub(crate) struct RenderArguments {
     /// Albedos 1, no absorption, uniform light of radiance 1: every pixel must be exactly 1
     #[arg(long)]
     pub(crate) furnace: bool,
+
+    /// What .film files keep beside the picture: ice-paths (each pixel's light by length in ice, with
+    /// which develop can change ice and impurities; 768 bytes a pixel)
+    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths"])]
+    pub(crate) keep: Vec<String>,
+
+    /// Adds spectral layers to .exr files, in the layout of Fichet et al. 2021: radiance at
+    /// wavelengths in nm, 380 to 780, as 450,550,650 or 400:700:20; keeps ice paths
+    #[arg(long, value_name = "LIST")]
+    pub(crate) wavelengths: Option<VisibleWavelengths>,
 
     /// How grains are packed for light, instead of the scene's: fast, or compact (less memory)
     /// [default: fast; compact where only that fits into --max-memory]

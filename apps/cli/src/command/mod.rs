@@ -2,8 +2,10 @@
 
 mod compare;
 mod deposit;
+mod develop;
 mod measure;
 mod optics;
+mod pictures;
 mod render;
 mod scenes;
 mod schema;
@@ -16,6 +18,7 @@ pub(crate) fn run(command: &Command) -> Result<u8, Failure> {
     match command {
         Command::Render(arguments) => render::run(arguments),
         Command::Deposit(arguments) => deposit::run(arguments),
+        Command::Develop(arguments) => develop::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),

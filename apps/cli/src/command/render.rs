@@ -1,7 +1,6 @@
 //! `snowgrain render`.
 
-mod pictures;
-
+use super::pictures::Pictures;
 use crate::arguments::RenderArguments;
 use crate::budget::{Budget, readable_bytes};
 use crate::failure::Failure;
@@ -12,10 +11,9 @@ use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::summary::{BuildTimes, Run, grouped};
 use crate::threads::{pool, threads};
-use pictures::Pictures;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Picture, PixelRect};
+use snowgrain_film::{Picture, PixelRect, spectral_layers};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::{Packing, SceneDescription};
 use snowgrain_render::{
@@ -102,6 +100,9 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     }
     if let Some(packing) = &arguments.packing {
         changes.push(format!("integrator.packing={packing}"));
+    }
+    if !arguments.keep.is_empty() || arguments.wavelengths.is_some() {
+        changes.push("film.keep=[\"ice-paths\"]".into());
     }
     let mut loaded = load::load(&arguments.scene, changes)?;
     for line in &loaded.assumptions {
@@ -260,7 +261,11 @@ impl Task<'_> {
         let mut written = Ok(());
         let mut mean_radiance = None;
         if samples > 0 {
-            let picture = Picture::from_film(&rendered.film)?;
+            let film = &rendered.film;
+            let mut picture = Picture::from_film(film)?;
+            if let Some(wavelengths) = &self.arguments.wavelengths {
+                picture.spectrum = spectral_layers(film, &film.grade, &wavelengths.0)?;
+            }
             mean_radiance = Some(picture.mean_radiance()?);
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
         } else if let Some(preview) = preview {

@@ -1,0 +1,45 @@
+//! `snowgrain develop`.
+
+use super::pictures::Pictures;
+use crate::arguments::{DevelopArguments, PictureFormat};
+use crate::failure::Failure;
+use snowgrain_film::{Film, Picture, spectral_layers};
+use snowgrain_formats::read_film;
+use snowgrain_optics::{Grade, Impurity};
+
+pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
+    if arguments.output.iter().any(|file| file.format == PictureFormat::Film) {
+        return Err(Failure::usage("a film is developed to .png or .exr files; name one"));
+    }
+    let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    let film = read_film(&arguments.film)?;
+    let grade = grade(&film, arguments);
+    let name = arguments.film.display().to_string();
+    let mut picture =
+        Picture::graded(&film, &grade).map_err(|error| Failure::from(error).of(&name))?;
+    if let Some(wavelengths) = &arguments.wavelengths {
+        picture.spectrum = spectral_layers(&film, &grade, &wavelengths.0)
+            .map_err(|error| Failure::from(error).of(&name))?;
+    }
+    pictures.write(&film, &picture)?;
+    Ok(0)
+}
+
+/// The film's grade with what the arguments change of it.
+fn grade(film: &Film, arguments: &DevelopArguments) -> Grade {
+    let mut grade = film.grade.clone();
+    if let Some(absorption) = arguments.ice_k {
+        grade.absorption = absorption;
+    }
+    if let Some(primaries) = arguments.primaries {
+        grade.primaries = primaries;
+    }
+    if arguments.clean {
+        grade.impurities.clear();
+    }
+    for &impurity in &arguments.impurity {
+        grade.impurities.retain(|Impurity { kind, .. }| *kind != impurity.kind);
+        grade.impurities.push(impurity);
+    }
+    grade
+}
