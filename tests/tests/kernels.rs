@@ -49,6 +49,7 @@ struct Case {
     starts: Starts,
     packing: Packing,
     density: Density,
+    eta: f64,
 }
 
 /// A point on the unit sphere.
@@ -125,6 +126,7 @@ impl Case {
             starts,
             packing: Packing::Cells,
             density: Density::Fast,
+            eta: ETA,
         }
     }
 
@@ -158,7 +160,7 @@ impl Case {
             }
         };
         let albedos = self.objects.iter().map(|o| o.2).collect();
-        World { grid: grid.unwrap(), surfaces, albedos, eta: ETA }
+        World { grid: grid.unwrap(), surfaces, albedos, eta: self.eta }
     }
 
     fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {
@@ -180,7 +182,7 @@ impl Case {
             })
             .collect();
         let search = self.period().map_or(Search::Cells, |period| Search::Periodic { period });
-        let oracle = Oracle::new(&grains, &surfaces, ETA, search);
+        let oracle = Oracle::new(&grains, &surfaces, self.eta, search);
         let unit = self.quantisation.largest_radius();
         let (mut short, mut wrong) = (0u32, 0u32);
         let mut sums = [[0.0f64; 5]; 2];
@@ -315,6 +317,20 @@ fn overlapping_grains_of_many_sizes_agree_with_the_oracle() {
     case.agrees_with_oracle(20_000);
 }
 
+/// Ice in water: light is reflected wholly from outside, never from inside.
+#[test]
+fn grains_in_denser_surroundings_agree_with_the_oracle() {
+    let around = |middle, inner| Starts::Around { center: middle, outer: 10.0, inner };
+    let grains = packs::strewn(400, DVec3::splat(6.0), [0.1, 0.9], 3);
+    let mut overlapping = Case::new(&grains, 0.9, around(DVec3::splat(3.0), 3.0));
+    overlapping.eta = 0.983;
+    overlapping.agrees_with_oracle(20_000);
+    let grains = packs::simple_cubic([8, 8, 8], 0.5);
+    let mut touching = Case::new(&grains, 0.5, around(DVec3::splat(4.0), 4.0));
+    touching.eta = 0.75;
+    touching.agrees_with_oracle(20_000);
+}
+
 /// A heap of dust around and within two grains of a hundred times its radius: cells are far smaller
 /// than the large grains.
 #[test]
@@ -401,6 +417,8 @@ fn every_lattice_without_memory_agrees_with_the_oracle() {
             let mut case = Case::of_field(GrainField::new(quantisation, grains), starts);
             case.packing = Packing::Lattice(cell);
             case.agrees_with_oracle(6_000);
+            case.eta = 0.8;
+            case.agrees_with_oracle(3_000);
         }
     }
 }

@@ -71,11 +71,26 @@ pub struct CameraDescription {
     pub backdrop: [f32; 3],
 }
 
+/// Index of refraction of water: 1.333 at 550 nm (Hale and Querry 1973, Appl. Opt. 12, 555).
+pub const WATER_IOR: f64 = 1.333;
+
+/// What lies between grains.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Pores {
+    /// Dry snow.
+    #[default]
+    Air,
+    /// Saturated snow, seen from within the water: its surface is not there, nor its absorption.
+    Water,
+}
+
 /// Optical constants of the grains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IceDescription {
-    /// Index of refraction eta, in [1, 4].
+    /// Index of refraction, in [1, 4].
     pub ior: f64,
+    /// What lies between the grains, and around them.
+    pub pores: Pores,
     /// What it absorbs.
     pub absorption: Absorption,
     /// What lies between the grains, everywhere alike.
@@ -86,7 +101,17 @@ impl IceDescription {
     /// Ice of this index of refraction that absorbs nothing, clean.
     #[must_use]
     pub fn clear(ior: f64) -> Self {
-        Self { ior, absorption: Absorption::Grey(0.0), impurities: Vec::new() }
+        let (absorption, impurities) = (Absorption::Grey(0.0), Vec::new());
+        Self { ior, pores: Pores::Air, absorption, impurities }
+    }
+
+    /// Index of refraction relative to what fills the pores.
+    #[must_use]
+    pub fn eta(&self) -> f64 {
+        match self.pores {
+            Pores::Air => self.ior,
+            Pores::Water => self.ior / WATER_IOR,
+        }
     }
 }
 

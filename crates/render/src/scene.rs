@@ -115,7 +115,7 @@ impl Scene {
                 grid,
                 surfaces,
                 albedos: description.objects.iter().map(|object| object.albedo).collect(),
-                eta: description.ice.ior,
+                eta: description.ice.eta(),
             },
             camera: Camera::new(&description.camera, &description.film),
             environment,
@@ -135,7 +135,7 @@ fn grade(description: &SceneDescription, environment: &Environment) -> Grade {
         lights: environment.spectra().to_vec(),
         absorption: ice.absorption,
         impurities: ice.impurities.clone(),
-        enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.ior }),
+        enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
     }
 }
 

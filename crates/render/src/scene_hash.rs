@@ -107,7 +107,7 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
 }
 
 fn hash_ice(hash: &mut Hash, ice: &IceDescription) {
-    hash.doubles(&[ice.ior]);
+    hash.doubles(&[ice.eta()]);
     match ice.absorption {
         Absorption::Grey(per_metre) => hash.doubles(&[per_metre]),
         Absorption::Measured(source) => hash.tag(source.name()),

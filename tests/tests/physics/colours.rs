@@ -47,7 +47,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
             vertical_fov_degrees: 2.0,
             backdrop: [0.0; 3],
         },
-        ice: IceDescription { ior: 1.31, absorption: Absorption::default(), impurities: vec![] },
+        ice: IceDescription { absorption: Absorption::default(), ..IceDescription::clear(1.31) },
         lights: vec![LightDescription::Sky {
             radiance: [1.0; 3],
             spectrum: Illuminant::D65,

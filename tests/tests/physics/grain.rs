@@ -101,6 +101,25 @@ fn a_grain_scatters_as_its_closed_form_and_the_table_say() {
     }
 }
 
+/// Index, g and B of grains in denser surroundings, which reflect all light at grazing angles from
+/// outside: ice in water and air in ice (`wet_relative_index.csv`; B below 1 is the index squared).
+const IN_DENSER: [[f64; 3]; 2] = [[0.98275, 0.99617, 0.9658], [0.76336, 0.71251, 0.5827]];
+
+#[test]
+fn a_grain_in_denser_surroundings_scatters_as_its_closed_form_and_the_table_say() {
+    for [eta, g, b] in IN_DENSER {
+        let medium = Dielectric { eta };
+        assert!((sphere::asymmetry(medium) - g).abs() < 0.0005);
+        assert!((sphere::absorption_enhancement(medium) - b).abs() < 0.0005);
+        let [cosine, chord] = means(eta, samples(2_000_000, 20_000_000), |path| {
+            let PathEnd::Escaped(ray) = path.end else { panic!("{path:?}") };
+            [-ray.direction.y, path.ice_length / (4.0 / 3.0 * RADIUS)]
+        });
+        assert_agrees("g", cosine, sphere::asymmetry(medium), 0.0);
+        assert_agrees("B", chord, sphere::absorption_enhancement(medium), 1e-4);
+    }
+}
+
 /// 1 - w = (4/3) gamma r B where little is absorbed.
 #[test]
 fn a_grain_absorbs_as_much_as_its_enhancement_says() {

@@ -31,7 +31,7 @@ impl Ice {
 /// The angles at an interface.
 #[derive(Clone, Copy)]
 pub(super) struct Angles<S: Simd> {
-    /// Cosine in air.
+    /// Cosine in air, or what lies between the grains.
     pub(super) outside: F<S>,
     /// Cosine in ice.
     pub(super) inside: F<S>,
@@ -41,14 +41,15 @@ impl<S: Simd> Angles<S> {
     /// Snell's law, from the cosine in air.
     #[inline(always)]
     pub(super) fn from_outside(simd: S, ice: Ice, outside: F<S>) -> Self {
-        let one = F::<S>::splat(simd, 1.0);
+        let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));
         let ratio = F::<S>::splat(simd, ice.inverse_eta * ice.inverse_eta);
-        // Never negative: eta is at least 1, and 1 - (1 - x) is not below 0 for x in [0, 1].
-        Self { outside, inside: (one - (one - outside * outside) * ratio).sqrt() }
+        // Negative where all light is reflected outside, as water's is by ice at grazing angles.
+        let inside2 = one - (one - outside * outside) * ratio;
+        Self { outside, inside: inside2.max(zero).sqrt() }
     }
 
-    /// Snell's law, from the cosine in ice for the paths `fresh` (the cosine in air is 0 where all
-    /// light is reflected), from that in air for the others.
+    /// Snell's law, from the cosine in ice for the paths `fresh`, from that outside for the others; the
+    /// other cosine is 0 where all light is reflected.
     #[inline(always)]
     pub(super) fn at_sphere(simd: S, ice: Ice, fresh: M<S>, inside: F<S>, outside: F<S>) -> Self {
         let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));

@@ -128,6 +128,9 @@ fn black() -> Triple {
 pub struct IceTable {
     /// Index of refraction, 1 to 4; default 1.31 (the paper uses 1.32).
     pub ior: f64,
+    /// What lies between the grains: "air", or "water" (saturated snow, seen from within the water: its
+    /// surface reflects nothing); default "air".
+    pub pores: PoresName,
     /// What the ice absorbs: "picard-2016" or "warren-brandt-2008" (as measured, with its colour;
     /// they differ below 600 nm), or one number for all wavelengths, in 1/m, at least 0; default
     /// "picard-2016".
@@ -140,8 +143,24 @@ pub struct IceTable {
 
 impl Default for IceTable {
     fn default() -> Self {
-        Self { ior: 1.31, absorption: Absorption::default(), impurities: BTreeMap::new() }
+        Self {
+            ior: 1.31,
+            pores: PoresName::default(),
+            absorption: Absorption::default(),
+            impurities: BTreeMap::new(),
+        }
     }
+}
+
+/// What lies between grains.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum PoresName {
+    /// Dry snow.
+    #[default]
+    Air,
+    /// Saturated snow.
+    Water,
 }
 
 /// A light.
@@ -282,6 +301,10 @@ pub struct SnowTable {
     /// Grain radius r: a length above 0, as "0.5 mm"; deposit, lattice.
     #[serde(default)]
     pub radius: Option<Length>,
+    /// Water in the snow, volume of liquid by volume of ice (the paper's W), 0 to 1: the water joins the
+    /// grains, whose radii grow by the cube root of 1 + wetness; default 0; deposit, lattice.
+    #[serde(default)]
+    pub wetness: Option<f64>,
     /// Half-width of the uniform distribution of radii: a length, 0 to `radius`; default 0; deposit.
     #[serde(default)]
     pub variation: Option<Length>,

@@ -5,7 +5,7 @@ mod objects;
 mod snow;
 
 use super::document::{
-    IntegratorName, KeepName, LightKind, PackingName, PrimariesName, SpectrumName,
+    IntegratorName, KeepName, LightKind, PackingName, PoresName, PrimariesName, SpectrumName,
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
@@ -17,7 +17,7 @@ use snowgrain_math::DVec3;
 use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
-    SceneDescription,
+    Pores, SceneDescription,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -138,7 +138,11 @@ fn ice(checks: &Checks<'_>) -> Result<IceDescription, SceneError> {
         return Err(checks.bad("ice.absorption", "must be a finite number of 1/m, at least 0"));
     }
     let impurities = impurities(checks, "ice.impurities", &ice.impurities)?;
-    Ok(IceDescription { ior: ice.ior, absorption: ice.absorption.0, impurities })
+    let pores = match ice.pores {
+        PoresName::Air => Pores::Air,
+        PoresName::Water => Pores::Water,
+    };
+    Ok(IceDescription { ior: ice.ior, pores, absorption: ice.absorption.0, impurities })
 }
 
 /// The loads at a key.

@@ -6,6 +6,7 @@ use super::super::quantity::Length;
 use super::ReadGrains;
 use super::checks::Checks;
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, LatticeSettings, Radii};
+use snowgrain_math::trig;
 use snowgrain_render::description::SnowDescription;
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "depth",
             "radius",
             "variation",
+            "wetness",
             "density",
             "rule",
             "max_slope",
@@ -30,7 +32,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "area",
             "seed",
         ],
-        SnowSource::Lattice => &["lattice", "counts", "radius", "spacing", "density"],
+        SnowSource::Lattice => &["lattice", "counts", "radius", "wetness", "spacing", "density"],
         SnowSource::File => &["file"],
         SnowSource::Pack => &[],
     }
@@ -154,12 +156,21 @@ impl Body<'_> {
 
     fn radius(&self) -> Result<f64, SceneError> {
         let radius = self.needed("radius", self.table.radius, "write radius = \"0.5 mm\"")?;
-        self.checks.size(&self.key("radius"), radius)
+        Ok(self.checks.size(&self.key("radius"), radius)? * self.growth()?)
+    }
+
+    /// By how much water makes grains larger: it joins them (the paper, section 3).
+    fn growth(&self) -> Result<f64, SceneError> {
+        match self.table.wetness.unwrap_or(0.0) {
+            wetness if (0.0..=1.0).contains(&wetness) => Ok(trig::cbrt(1.0 + wetness)),
+            _ => Err(self.bad("wetness", "must be 0 to 1, the volume of water by that of ice")),
+        }
     }
 
     fn radii(&self) -> Result<Radii, SceneError> {
         let mean = self.radius()?;
         let variation = self.table.variation.unwrap_or(Length { metres: 0.0 }).metres;
+        let variation = variation * self.growth()?;
         if !(variation >= 0.0 && variation <= mean) {
             let mend = format!("must be 0 to the radius, {mean} m");
             return Err(self.bad("variation", &mend));

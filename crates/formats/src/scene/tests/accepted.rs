@@ -86,6 +86,16 @@ fn colours_of_ice_light_and_film_arrive() {
 }
 
 #[test]
+fn water_joins_the_grains_or_fills_the_pores() {
+    let wet = read(LEAST, &["snow.wetness=0.331", "snow.variation=\"0.1 mm\""]).unwrap();
+    let radii = deposit(&wet).radii;
+    assert!((radii.mean - 0.55e-3).abs() < 1e-9 && (radii.variation - 0.11e-3).abs() < 1e-9);
+    let saturated = read(LEAST, &["ice.pores=water"]).unwrap();
+    assert!((saturated.ice.eta() - 1.31 / 1.333).abs() < 1e-12);
+    assert_eq!(read(LEAST, &[]).unwrap().ice.eta(), 1.31);
+}
+
+#[test]
 fn every_deposit_key_arrives_in_metres() {
     let text = LEAST.replace("grains = 1000", "depth = \"3 cm\"")
         + "variation = \"200 um\"\ndensity = 250\nrule = \"roll\"\nmax_slope = 60\n\
