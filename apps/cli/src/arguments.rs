@@ -8,6 +8,7 @@ mod measure;
 mod optics;
 mod render;
 mod values;
+mod wet;
 
 use clap::{Args, Parser, Subcommand};
 use snowgrain_accel::SimdLevel;
@@ -25,6 +26,7 @@ pub(crate) use optics::{
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use values::{PictureFile, PictureFormat, Size};
+pub(crate) use wet::WetArguments;
 
 /// Snowgrain renders snow that is made of real, discrete grains of ice.
 #[derive(Debug, Parser)]

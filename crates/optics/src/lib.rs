@@ -27,6 +27,7 @@ pub mod sphere;
 mod table;
 pub mod theory;
 pub mod uplift;
+pub mod water;
 
 pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;

@@ -36,7 +36,8 @@ pub(crate) struct DevelopArguments {
     pub(crate) clean: bool,
 
     /// Absorption of the ice: picard-2016, warren-brandt-2008, or a number of 1/m for all wavelengths
-    #[arg(long, value_name = "SOURCE", value_parser = laboratory_values::absorption)]
+    #[arg(long, value_name = "SOURCE", allow_negative_numbers = true,
+          value_parser = laboratory_values::absorption)]
     pub(crate) ice_k: Option<Absorption>,
 
     /// Primaries of .exr files: srgb or acescg [default: those of the film]

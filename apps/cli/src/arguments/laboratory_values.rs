@@ -47,6 +47,33 @@ impl FromStr for Wavelengths {
     }
 }
 
+/// Numbers: a list, or a range.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Range(pub(crate) Vec<f64>);
+
+impl FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| {
+            let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| "write numbers, as 0,0.5,1, or a range, as 0:1:0.1".to_owned())
+        };
+        match text.split(':').collect::<Vec<_>>()[..] {
+            [list] => list.split(',').map(number).collect::<Result<_, _>>().map(Self),
+            [from, to, step] => {
+                let (from, to, step) = (number(from)?, number(to)?, number(step)?);
+                let steps = ((to - from) / step + 1e-9).floor();
+                if !(step > 0.0 && (0.0..MOST_WAVELENGTHS).contains(&steps)) {
+                    return Err("a range goes up in steps above 0, as 0:1:0.1".into());
+                }
+                Ok(Self((0..=steps as u32).map(|i| from + step * f64::from(i)).collect()))
+            }
+            _ => Err("write a range as FROM:TO:STEP, as 0:1:0.1".into()),
+        }
+    }
+}
+
 /// Visible wavelengths, nm.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct VisibleWavelengths(pub(crate) Vec<f64>);

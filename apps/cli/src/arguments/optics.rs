@@ -22,6 +22,7 @@ pub(crate) enum OpticsKind {
     Colour(Box<ColourArguments>),
     Phase(PhaseArguments),
     Profile(Box<ProfileArguments>),
+    Wet(Box<super::WetArguments>),
 }
 
 /// Spectral reflectance, transmittance and absorptance of flat layers of snow.

@@ -7,6 +7,7 @@ mod profile;
 mod snow;
 mod swatches;
 mod table;
+mod wet;
 
 use crate::arguments::{OpticsArguments, OpticsKind};
 use crate::failure::Failure;
@@ -17,5 +18,6 @@ pub(super) fn run(arguments: &OpticsArguments) -> Result<u8, Failure> {
         OpticsKind::Colour(arguments) => colour::run(arguments),
         OpticsKind::Phase(arguments) => phase::run(arguments),
         OpticsKind::Profile(arguments) => profile::run(arguments),
+        OpticsKind::Wet(arguments) => wet::run(arguments),
     }
 }

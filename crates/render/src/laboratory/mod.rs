@@ -12,6 +12,7 @@ mod lengths;
 mod nodes;
 mod profile;
 mod snow;
+mod wet;
 
 pub use albedo::{
     Albedo, AlbedoSettings, Theory, grain_albedo, homogeneous_albedo, theoretical_albedo,
@@ -23,3 +24,4 @@ pub use profile::{Flux, flux_profile};
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::MOST_LAYERS;
 pub use snowgrain_optics::sphere::Polarisation;
+pub use wet::{WetAlbedo, WetLayer, WetSettings};
