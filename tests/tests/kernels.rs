@@ -50,6 +50,8 @@ struct Case {
     packing: Packing,
     density: Density,
     eta: f64,
+    /// Of the grains, where any has one.
+    strata: Vec<u8>,
 }
 
 /// A point on the unit sphere.
@@ -127,6 +129,7 @@ impl Case {
             packing: Packing::Cells,
             density: Density::Fast,
             eta: ETA,
+            strata: Vec::new(),
         }
     }
 
@@ -146,7 +149,13 @@ impl Case {
         let surfaces = Surfaces::new(&shapes);
         let quantisation = self.quantisation;
         let grid = match &self.packing {
-            Packing::Cells => GrainGrid::build(quantisation, &self.grains, &surfaces, self.density),
+            Packing::Cells => GrainGrid::build_in_strata(
+                quantisation,
+                &self.grains,
+                &surfaces,
+                self.density,
+                &self.strata,
+            ),
             Packing::Periodic(period) => {
                 GrainGrid::build_periodic(quantisation, &self.grains, *period, self.density)
             }
@@ -252,8 +261,11 @@ impl Case {
         }
         let n = paths as f64;
         assert!(short > 1000, "{short} short paths");
-        // A decision can fall between the two roundings of a reflectance: once in 10^6 events.
-        assert!(wrong <= 2, "{wrong} of {short} short paths differ");
+        // A decision can fall between the two roundings of a reflectance: once in 10^6 events; a hundred
+        // times as often where light comes from the denser medium near the critical angle, at which the
+        // reflectance is steep.
+        let allowed = if self.eta < 1.0 { 8 } else { 2 };
+        assert!(wrong <= allowed, "{wrong} of {short} short paths differ");
         // The paired difference of the light has this standard error; 4 sigma: 6e-5 a case.
         let sigma = (squares / n).sqrt() / n.sqrt();
         let bias = (sums[0][0] - sums[1][0]).abs() / n;
@@ -329,6 +341,45 @@ fn grains_in_denser_surroundings_agree_with_the_oracle() {
     let mut touching = Case::new(&grains, 0.5, around(DVec3::splat(4.0), 4.0));
     touching.eta = 0.75;
     touching.agrees_with_oracle(20_000);
+}
+
+/// Strata change no path, and the ice of all of them is the ice of the path.
+#[test]
+fn strata_share_the_ice_of_every_path_among_them() {
+    let around = |middle, inner| Starts::Around { center: middle, outer: 10.0, inner };
+    let mut grains = packs::strewn(400, DVec3::splat(6.0), [0.1, 0.9], 3);
+    grains.extend(packs::strewn(200, DVec3::splat(6.0), [0.05, 0.1], 8));
+    let mut case = Case::new(&grains, 0.9, around(DVec3::splat(3.0), 3.0));
+    let mesh = cube_mesh(DVec3::new(3.0, 2.5, 3.2), 1.2);
+    let triangles = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
+    case.objects.push((
+        SurfaceShape::Mesh(Arc::new(mesh)),
+        OracleShape::Triangles(triangles),
+        [0.9, 0.2, 0.1],
+    ));
+    let level = SimdLevel::detect();
+    let without = case.trace(level, 20_000);
+    case.strata = (0..grains.len()).map(|grain| 1 + (grain % 7) as u8).collect();
+    let all = case.trace(level, 20_000);
+    // The same strata again, but the fourth is none.
+    case.strata.iter_mut().for_each(|stratum| *stratum = if *stratum == 4 { 0 } else { *stratum });
+    let some = case.trace(level, 20_000);
+    let mut seen = [0.0; 7];
+    for ((plain, all), some) in without.iter().zip(&all).zip(&some) {
+        let sum: f64 = all.ice_in_strata.iter().sum();
+        assert!((sum - plain.ice_length).abs() < 1e-4 * (1.0 + plain.ice_length), "{all:?}");
+        assert!(all.ice_in_strata.iter().all(|&length| length > -1e-5), "{all:?}");
+        let alike = PathResult { ice_in_strata: plain.ice_in_strata, ..*all };
+        assert_eq!(format!("{alike:?}"), format!("{plain:?}"));
+        let mut rest = all.ice_in_strata;
+        rest[3] = 0.0;
+        assert_eq!(some.ice_in_strata, rest);
+        seen.iter_mut().zip(all.ice_in_strata).for_each(|(seen, length)| *seen += length);
+    }
+    assert!(seen.iter().all(|&length| length > 0.02 * seen.iter().sum::<f64>()), "{seen:?}");
+    for level in SimdLevel::available() {
+        assert_eq!(format!("{:?}", case.trace(level, 2_000)), format!("{:?}", &some[..2_000]));
+    }
 }
 
 /// A heap of dust around and within two grains of a hundred times its radius: cells are far smaller

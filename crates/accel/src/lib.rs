@@ -10,6 +10,7 @@ pub mod homogeneous;
 mod pages;
 mod prefetch;
 pub mod simd;
+mod strata;
 pub mod surfaces;
 mod words;
 
@@ -20,4 +21,5 @@ pub use grain_stacks::{
     RegionLayout, StackRegion,
 };
 pub use simd::SimdLevel;
+pub use strata::STRATA;
 pub use surfaces::{SphereContact, SurfaceHit, SurfaceId, SurfaceShape, Surfaces};

@@ -237,6 +237,19 @@ impl<'a> Snowfall<'a> {
         grains.fold(self.ground.lowest(), f64::min) - 4.0 * largest
     }
 
+    /// Shows all grains that lie so far.
+    pub fn for_each_grain(&self, mut visit: impl FnMut(QuantisedGrain)) {
+        let mut grains = Vec::new();
+        for stacks in self.pile.all() {
+            for part in 0..stacks.parts() {
+                grains.clear();
+                stacks.part(part, &mut grains);
+                grains.iter().for_each(|&grain| visit(grain));
+            }
+        }
+        self.placed.iter().for_each(|&grain| visit(grain));
+    }
+
     /// The grains, in an order that depends on the input only.
     #[must_use]
     pub fn into_field(self) -> GrainField {

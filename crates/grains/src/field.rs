@@ -93,6 +93,24 @@ impl GrainField {
         GrainGrid::build(self.quantisation, grains, surfaces, packing)
     }
 
+    /// The same, with the stratum of each grain in the order of [`Self::quantised`].
+    ///
+    /// # Errors
+    /// As [`GrainGrid::build`].
+    ///
+    /// # Panics
+    /// If there are not as many strata as grains.
+    pub fn pack_in_strata(
+        &self,
+        surfaces: &Surfaces,
+        packing: Packing,
+        strata: &[u8],
+    ) -> Result<GrainGrid, GridError> {
+        let read = |part: usize, out: &mut Vec<QuantisedGrain>| self.part(part, out);
+        let grains = GrainParts::Parts { count: self.parts(), read: &read };
+        GrainGrid::build_in_strata(self.quantisation, grains, surfaces, packing, strata)
+    }
+
     /// All grains, part by part.
     pub fn quantised(&self) -> impl Iterator<Item = QuantisedGrain> + '_ {
         (0..self.parts()).flat_map(|part| {

@@ -1,6 +1,6 @@
 //! What turns lengths in ice into colours, and may be chosen again after a render.
 
-use crate::{Absorption, IceColour, Illuminant, Impurity, Primaries};
+use crate::{Absorption, IceColour, Illuminant, Impurity, Primaries, StrataColour};
 
 /// The absorption that a scene's light met and the colours that it is told in. Paths do not depend on
 /// it (white Monte Carlo), only their colours do.
@@ -27,6 +27,24 @@ impl Grade {
         let beside =
             |impurity: &Impurity| impurity.per_metre_of_ice(wavelength_nm, self.enhancement);
         self.absorption.per_metre(wavelength_nm) + self.impurities.iter().map(beside).sum::<f64>()
+    }
+
+    /// The colours of each of its lights after lengths in ice of strata with these impurities beside its
+    /// own; none where there are no strata.
+    #[must_use]
+    pub fn strata_colours(&self, loads: &[Vec<Impurity>]) -> Vec<StrataColour> {
+        if loads.is_empty() {
+            return Vec::new();
+        }
+        let absorptions = |nm: f64| {
+            let of = |impurities: &Vec<Impurity>| {
+                let beside = |i: &Impurity| i.per_metre_of_ice(nm, self.enhancement);
+                impurities.iter().map(beside).sum::<f64>()
+            };
+            core::iter::once(self.per_metre(nm)).chain(loads.iter().map(of)).collect()
+        };
+        let colour = |&light| StrataColour::new(light, self.primaries, &absorptions);
+        self.lights.iter().map(colour).collect()
     }
 
     /// The colours of each of its lights after any length in ice.

@@ -127,26 +127,33 @@ impl IceColour {
     }
 }
 
-/// Every whole nanometre: what one unit of each weight gives, and the absorption.
+/// Every whole nanometre of [`VISIBLE_NM`]: wavelength, and what one unit of each weight gives (in
+/// columns); the sum is 1 for D65 and sRGB.
+pub(crate) fn lines(light: Illuminant, primaries: Primaries) -> Vec<(f64, DMat3)> {
+    let to_rgb = primaries.under_d65();
+    let [first, last] = VISIBLE_NM;
+    let wavelengths = (0..=(last - first) as u32).map(|step| first + f64::from(step));
+    let powers = wavelengths.map(|nm| (nm, observer(nm) * light.power(nm)));
+    let white = powers.clone().map(|(_, line)| line.y).sum::<f64>();
+    let colour = |(nm, line): (f64, DVec3)| {
+        let line = to_rgb * (line / white);
+        let [red, green, blue] = reflectances(nm).map(|share| line * share);
+        (nm, DMat3::from_cols(red, green, blue))
+    };
+    powers.map(colour).collect()
+}
+
+/// The same with the absorption.
 struct Lines {
-    /// In columns.
     colours: Vec<DMat3>,
     absorptions: Vec<f64>,
 }
 
 impl Lines {
     fn new(light: Illuminant, primaries: Primaries, per_metre: impl Fn(f64) -> f64) -> Self {
-        let to_rgb = primaries.under_d65();
-        let [first, last] = VISIBLE_NM;
-        let wavelengths = (0..=(last - first) as u32).map(|step| first + f64::from(step));
-        let powers = wavelengths.clone().map(|nm| observer(nm) * light.power(nm));
-        let white = powers.clone().map(|line| line.y).sum::<f64>();
-        let observed = powers.zip(wavelengths.clone()).map(|(line, nm)| {
-            let line = to_rgb * (line / white);
-            let [red, green, blue] = reflectances(nm).map(|share| line * share);
-            DMat3::from_cols(red, green, blue)
-        });
-        Self { colours: observed.collect(), absorptions: wavelengths.map(per_metre).collect() }
+        let (absorptions, colours) =
+            lines(light, primaries).into_iter().map(|(nm, colour)| (per_metre(nm), colour)).unzip();
+        Self { colours, absorptions }
     }
 
     fn clear(&self) -> DMat3 {

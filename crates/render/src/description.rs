@@ -1,6 +1,7 @@
 //! A scene as plain data: what a scene file means once units are converted, references loaded and
 //! defaults filled in. [`crate::Scene::build`] turns it into what light can travel through.
 
+use crate::Strata;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
@@ -23,6 +24,8 @@ pub struct SceneDescription {
     pub objects: Vec<ObjectDescription>,
     /// Snow, in the order in which it falls or is placed.
     pub snow: Vec<SnowDescription>,
+    /// Impurities of single bodies of snow, beside those of the ice.
+    pub strata: Strata,
     /// How light is traced.
     pub integrator: IntegratorKind,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.

@@ -312,10 +312,10 @@ fn seen(description: &SceneDescription, crop: PixelRect, bounds: &Aabb) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scene;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     };
+    use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
     use snowgrain_math::DAffine3;
     use snowgrain_optics::Illuminant;
@@ -340,6 +340,7 @@ mod tests {
             }],
             objects,
             snow,
+            strata: Strata::default(),
             integrator: IntegratorKind::Grains,
             packing: None,
         }

@@ -13,6 +13,7 @@ mod render;
 mod scene;
 mod scene_hash;
 mod statistics;
+mod strata;
 pub mod transport;
 pub mod world;
 
@@ -20,6 +21,7 @@ pub use error::RenderError;
 pub use estimate::CostEstimate;
 pub use render::{RenderControl, RenderSettings, Rendered, Rendering, render, render_with};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of};
-pub use snowgrain_accel::SimdLevel;
+pub use snowgrain_accel::{STRATA, SimdLevel};
 pub use statistics::Statistics;
+pub use strata::Strata;
 pub use world::World;

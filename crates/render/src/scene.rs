@@ -4,6 +4,7 @@ use crate::camera::Camera;
 use crate::description::{ObjectShape, SceneDescription, SnowDescription};
 use crate::light::Environment;
 use crate::scene_hash::{GrainDigest, hash_scene};
+use crate::strata::KnownGrains;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
@@ -11,7 +12,7 @@ use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
 use snowgrain_math::{Aabb, DVec3};
-use snowgrain_optics::{Dielectric, Grade, IceColour, sphere};
+use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
 
@@ -66,6 +67,8 @@ pub struct Scene {
     pub grade: Grade,
     /// The colours of each spectrum of the environment after any length in ice.
     pub colours: Vec<IceColour>,
+    /// The same after lengths in ice of several strata; empty where there are none.
+    pub strata_colours: Vec<StrataColour>,
     /// Size and sampling of the picture.
     pub film: crate::description::FilmDescription,
     /// Digest of all content that decides the pixels but the seed and the samples.
@@ -120,6 +123,7 @@ impl Scene {
             camera: Camera::new(&description.camera, &description.film),
             environment,
             colours: grade.colours(),
+            strata_colours: grade.strata_colours(&description.strata.loads),
             grade,
             film: description.film.clone(),
             report,
@@ -162,7 +166,8 @@ pub fn deposit_at(
     stage(BuildStage::Surfaces);
     let surfaces = surfaces_of(description);
     let mut report = BuildReport::default();
-    let field = fall(description, &surfaces, level, &mut report, stage)?;
+    let mut known = KnownGrains::default();
+    let field = fall(description, (&surfaces, level), &mut known, &mut report, stage)?;
     Ok((field, report.snowfalls))
 }
 
@@ -195,7 +200,9 @@ fn build_grid(
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<(GrainGrid, GrainDigest), RenderError> {
-    if let [SnowDescription::Lattice(settings)] = description.snow.as_slice() {
+    if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
+        && description.strata.loads.is_empty()
+    {
         let quantisation = quantisation_of(description, surfaces);
         if let Some(lattice) = implicit_lattice(settings, quantisation, surfaces)? {
             stage(BuildStage::Packing);
@@ -203,11 +210,12 @@ fn build_grid(
             return Ok(lattice);
         }
     }
-    let field = fall(description, surfaces, level, report, stage)?;
+    let mut known = KnownGrains::new(description.strata.clone());
+    let field = fall(description, (surfaces, level), &mut known, report, stage)?;
     stage(BuildStage::Packing);
     let quantisation = field.quantisation;
     let packing = description.packing.unwrap_or_default();
-    let grid = field.pack(surfaces, packing)?;
+    let grid = field.pack_in_strata(surfaces, packing, &known.of_field(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
     Ok((grid, digest))
 }
@@ -242,8 +250,8 @@ fn implicit_lattice(
 /// Lets the snow of the scene fall, in order.
 fn fall(
     description: &SceneDescription,
-    surfaces: &Surfaces,
-    level: SimdLevel,
+    (surfaces, level): (&Surfaces, SimdLevel),
+    known: &mut KnownGrains,
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<GrainField, RenderError> {
@@ -261,6 +269,7 @@ fn fall(
             SnowDescription::Grains(field) => snowfall.place(field).map(|()| None),
         };
         report.snowfalls.push(result.map_err(|source| RenderError::Snow { index, source })?);
+        known.learn(index, &snowfall);
     }
     Ok(snowfall.into_field())
 }

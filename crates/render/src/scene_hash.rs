@@ -1,11 +1,12 @@
 //! A digest of everything that decides the pixels.
 
+use crate::Strata;
 use crate::description::{
     IceDescription, LightDescription, ObjectShape, Packing, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
-use snowgrain_optics::{Absorption, Load};
+use snowgrain_optics::{Absorption, Impurity, Load};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -86,6 +87,7 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
         hash.tag(light.spectrum().name());
         hash.words(&[u32::from(light.visible_to_camera())]);
     }
+    hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();
     for object in &scene.objects {
         hash.tag(match object.shape {
@@ -112,11 +114,26 @@ fn hash_ice(hash: &mut Hash, ice: &IceDescription) {
         Absorption::Grey(per_metre) => hash.doubles(&[per_metre]),
         Absorption::Measured(source) => hash.tag(source.name()),
     }
-    for impurity in &ice.impurities {
+    hash_impurities(hash, &ice.impurities);
+}
+
+fn hash_impurities(hash: &mut Hash, impurities: &[Impurity]) {
+    for impurity in impurities {
         hash.tag(impurity.kind.name());
         match impurity.load {
             Load::MassFraction(load) | Load::CellsPerKilogram(load) => hash.doubles(&[load]),
         }
+    }
+}
+
+fn hash_strata(hash: &mut Hash, strata: &Strata, bodies: usize) {
+    for load in &strata.loads {
+        hash.tag("stratum");
+        hash_impurities(hash, load);
+    }
+    if !strata.loads.is_empty() {
+        let strata: Vec<u32> = (0..bodies).map(|body| u32::from(strata.of_body(body))).collect();
+        hash.words(&strata);
     }
 }
 

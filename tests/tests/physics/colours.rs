@@ -4,12 +4,13 @@ use crate::cubes::picture;
 use crate::samples;
 use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Film, FilmError, Layer, Picture, PixelRect, spectral_layers};
-use snowgrain_grains::{LatticeKind, LatticeSettings};
+use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, LatticeSettings, Radii};
 use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_optics::{
     Absorption, Grade, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
 };
 use snowgrain_render::Scene;
+use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
@@ -55,6 +56,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         }],
         objects: objects.into_iter().collect(),
         snow: vec![SnowDescription::Lattice(settings)],
+        strata: Strata::default(),
         integrator: IntegratorKind::Grains,
         packing: None,
     }
@@ -154,6 +156,62 @@ fn spectral_layers_are_pictures_of_single_wavelengths() {
             assert!(off.abs() < 5e-4, "{wavelength} nm: {spectral} instead of {expected}");
         }
     }
+}
+
+/// A red sphere under two snowfalls.
+fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
+    let mut description = layer([1, 1, 1], Some(RED), 16);
+    description.objects.push(ObjectDescription {
+        name: "ball".into(),
+        shape: ObjectShape::Sphere,
+        albedo: RED,
+        transform: DAffine3::from_scale(DVec3::splat(0.01)),
+    });
+    description.camera.from = DVec3::new(0.0, 0.06, 0.06);
+    description.camera.at = DVec3::Y * 0.01;
+    description.camera.vertical_fov_degrees = 20.0;
+    let fall = |grains, mean, seed| {
+        SnowDescription::Deposit(DepositSettings {
+            amount: Amount::Grains(grains),
+            radii: Radii { mean, variation: 0.2 * mean },
+            density: None,
+            rule: DepositRule::Ray,
+            max_slope_degrees: 80.0,
+            direction: DepositSettings::DOWN,
+            area: None,
+            seed,
+        })
+    };
+    description.snow = vec![fall(5000, 0.4e-3, 1), fall(3000, 0.3e-3, 2), fall(2000, 0.1e-3, 3)];
+    description.strata = strata;
+    description.ice.impurities = everywhere;
+    description
+}
+
+/// Impurities of single snowfalls: of all of them they are those of the ice, and of the last one they
+/// darken less, but more than none.
+#[test]
+fn impurities_of_each_snowfall_are_those_of_its_grains() {
+    let soot = load(ImpurityKind::BlackCarbon, Load::MassFraction(20e-6));
+    let dust = load(ImpurityKind::DustSahara, Load::MassFraction(500e-6));
+    let strata = |bodies: [Vec<Impurity>; 3]| Strata::of(&bodies).unwrap();
+    let picture = |description: &SceneDescription| {
+        let film = rendered(description, samples(16, 64));
+        let picture = Picture::from_film(&film).unwrap();
+        picture.colour().unwrap().map(<[f32]>::to_vec)
+    };
+    let each = strata([vec![soot, dust], vec![soot, dust], vec![soot, dust]]);
+    let by_body = picture(&snowfalls(each, vec![]));
+    let everywhere = picture(&snowfalls(Strata::default(), vec![soot, dust]));
+    for (a, b) in by_body.iter().flatten().zip(everywhere.iter().flatten()) {
+        assert!((a - b).abs() < 2e-4, "{a} {b}");
+    }
+    let sum = |picture: &[Vec<f32>; 3]| picture.iter().flatten().sum::<f32>();
+    let clean = picture(&snowfalls(Strata::default(), vec![]));
+    let on_top = picture(&snowfalls(strata([vec![], vec![], vec![soot, dust]]), vec![]));
+    let below = picture(&snowfalls(strata([vec![soot, dust], vec![], vec![]]), vec![]));
+    let [clean, on_top, below, all] = [clean, on_top, below, everywhere].map(|p| sum(&p));
+    assert!(all < on_top && on_top < clean && all < below && below < clean);
 }
 
 /// The means of the channels over a picture and their standard errors.

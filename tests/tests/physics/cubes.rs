@@ -6,6 +6,7 @@ use snowgrain_film::{Layer, Picture, PixelRect};
 use snowgrain_grains::{LatticeKind, LatticeSettings};
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_optics::Illuminant;
+use snowgrain_render::Strata;
 use snowgrain_render::camera::Camera;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
@@ -44,6 +45,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
             spacing: None,
             density: None,
         })],
+        strata: Strata::default(),
         integrator: IntegratorKind::Grains,
         packing: None,
     }

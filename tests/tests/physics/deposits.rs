@@ -10,6 +10,7 @@ use snowgrain_grains::{Amount, DepositRule, DepositSettings, Radii, Snowfall};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_optics::{Absorption, Illuminant};
 use snowgrain_render::Scene;
+use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
@@ -90,6 +91,7 @@ fn pile(
             grains,
             Some([-half, -half, half, half]),
         ))],
+        strata: Strata::default(),
         integrator: IntegratorKind::Grains,
         packing: None,
     }

@@ -12,7 +12,7 @@ mod sphere;
 pub(crate) mod vector;
 
 use crate::grain_grid::{GridPosition, Storage};
-use crate::{GrainGrid, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
+use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
 use blocks::BlockFlight;
 use crystal::CrystalFlight;
 use fearless_simd::Level;
@@ -45,6 +45,8 @@ pub enum FlightEvent {
 pub struct Travelled {
     /// Length in ice.
     pub ice_length: f64,
+    /// Of it, that in grains of each stratum from 1 on.
+    pub ice_in_strata: [f64; STRATA],
     /// Length in air inside the grid.
     pub air_length: f64,
     /// Arrivals at grains from outside.
@@ -87,7 +89,7 @@ macro_rules! both {
 }
 
 impl<'a> Flight<'a> {
-    /// No path in flight. `eta` is the relative index of the grains, >= 1.
+    /// No path in flight. `eta` is the relative index of the grains, > 0.
     ///
     /// # Panics
     /// If the machine does not have `level`.

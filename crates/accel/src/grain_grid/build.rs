@@ -13,9 +13,10 @@ mod survey;
 use super::packed_cells::{BRICK, CELLS_PER_BRICK};
 use super::{Block, CellEntry, GrainGrid, GrainParts, GridError, PackedCells, Packing, Storage};
 use crate::pages;
+use crate::strata::BlockStrata;
 use crate::{SimdLevel, Surfaces};
 use batches::{Gathered, HeldBrick};
-use cells::{Counted, MOST_PER_CELL, Scratch, number_blocks};
+use cells::{Counted, MOST_PER_CELL, STRATUM_SHIFT, Scratch, number_blocks};
 use layout::Layout;
 pub(super) use overlap::overlaps;
 use rayon::prelude::*;
@@ -54,11 +55,12 @@ pub(super) fn longest_side(margin: i32) -> i32 {
 pub(super) fn build(
     quantisation: Quantisation,
     grains: GrainParts<'_>,
-    surfaces: &Surfaces,
+    (surfaces, strata): (&Surfaces, &[u8]),
     period: Option<[i64; 2]>,
     packing: Packing,
 ) -> Result<GrainGrid, GridError> {
     let survey = Survey::of(&grains)?;
+    assert!(strata.is_empty() || strata.len() as u64 == survey.grains, "a stratum for each grain");
     let margin = i32::from(survey.largest) + PAD;
     if survey.grains == 0 {
         return Ok(GrainGrid {
@@ -70,11 +72,17 @@ pub(super) fn build(
             margin,
             storage: Storage::Packed(PackedCells::new([1; 3])?),
             blocks: vec![Block::EMPTY],
+            strata: Vec::new(),
             grains: 0,
         });
     }
     let mut flags = Vec::new();
-    flags.resize_with(survey.grains as usize, || AtomicU8::new(0));
+    match strata {
+        [] => flags.resize_with(survey.grains as usize, || AtomicU8::new(0)),
+        strata => {
+            flags.extend(strata.iter().map(|stratum| AtomicU8::new(stratum << STRATUM_SHIFT)));
+        }
+    }
     let wanted = survey.choose_side(&grains, packing, margin);
     let mut side = wanted;
     let mut crowded = None;
@@ -89,6 +97,7 @@ pub(super) fn build(
             layout,
             margin,
             flags: &flags,
+            has_strata: strata.iter().any(|&stratum| stratum != 0),
             most_bytes: smaller
                 .then(|| MOST_BYTES_AT_LEAST.max(MOST_BYTES_PER_GRAIN * survey.grains as usize)),
         };
@@ -118,8 +127,9 @@ struct Packer<'a> {
     surfaces: &'a Surfaces,
     layout: Layout,
     margin: i32,
-    /// Of each grain, the flags of its copies.
+    /// Of each grain, the flags of its copies, and its stratum above them.
     flags: &'a [AtomicU8],
+    has_strata: bool,
     /// Memory of the cells beyond which they are too many.
     most_bytes: Option<usize>,
 }
@@ -129,6 +139,7 @@ struct Batch<'a> {
     bricks: Range<usize>,
     entries: &'a mut [CellEntry],
     blocks: (&'a mut [Block], usize),
+    strata: &'a mut [BlockStrata],
 }
 
 impl Packer<'_> {
@@ -154,7 +165,9 @@ impl Packer<'_> {
         self.check_bytes(needed * size_of::<Block>())?;
         let mut blocks = pages::zeroed::<Block>(needed);
         let counts: Vec<usize> = counted.iter().map(|batch| batch.blocks).collect();
-        self.list_all(&table, &held, (&batches, &counts), &mut entries, &mut blocks);
+        let mut strata = vec![BlockStrata::default(); if self.has_strata { needed } else { 0 }];
+        let lists = (entries.as_mut_slice(), &mut *blocks, strata.as_mut_slice());
+        self.list_all(&table, &held, (&batches, &counts), lists);
         Ok(GrainGrid {
             quantisation: self.quantisation,
             first: self.layout.first,
@@ -164,6 +177,7 @@ impl Packer<'_> {
             margin: self.margin,
             storage: Storage::Packed(PackedCells::of(self.layout.bricks(), table, entries)),
             blocks,
+            strata,
             grains: self.survey.grains,
         })
     }
@@ -239,7 +253,7 @@ impl Packer<'_> {
     ) -> Vec<Counted> {
         let level = SimdLevel::detect().token().expect("a level that was detected is there");
         let none = vec![0; batches.len()];
-        let work = split(batches, &none, entries, &mut []);
+        let work = split(batches, &none, (entries, &mut [], &mut []));
         work.into_par_iter()
             .map_init(<(Gathered, Scratch)>::default, |(gathered, scratch), batch| {
                 let bricks = &held[batch.bricks.clone()];
@@ -263,33 +277,36 @@ impl Packer<'_> {
         table: &[u32],
         held: &[HeldBrick],
         (batches, counts): (&[Range<usize>], &[usize]),
-        entries: &mut [CellEntry],
-        blocks: &mut [Block],
+        lists: Lists<'_>,
     ) {
-        let work = split(batches, counts, entries, blocks);
+        let work = split(batches, counts, lists);
         work.into_par_iter().for_each_init(Gathered::default, |gathered, batch| {
             let bricks = &held[batch.bricks.clone()];
             let grains = (&self.grains, self.survey);
             gathered.fill(&self.layout, grains, table, (bricks, batch.bricks.start));
-            let (blocks, first) = batch.blocks;
+            let ((blocks, first), strata) = (batch.blocks, batch.strata);
             number_blocks(batch.entries, first);
             let cells = batch.entries.chunks(CELLS_PER_BRICK);
             for (index, (brick, cells)) in bricks.iter().zip(cells).enumerate() {
-                self.list(brick, gathered.of_brick(index), cells, (&mut *blocks, first));
+                let lists = (&mut *blocks, &mut *strata, first);
+                self.list(brick, gathered.of_brick(index), cells, lists);
             }
         });
     }
 }
 
+/// Entries of the cells, blocks, and the strata in them, if there are any.
+type Lists<'a> = (&'a mut [CellEntry], &'a mut [Block], &'a mut [BlockStrata]);
+
 /// Gives each batch its entries and its blocks; brick 0 and block 0 are nobody's.
 fn split<'a>(
     batches: &[Range<usize>],
     counts: &[usize],
-    entries: &'a mut [CellEntry],
-    blocks: &'a mut [Block],
+    (entries, blocks, strata): Lists<'a>,
 ) -> Vec<Batch<'a>> {
     let mut entries = &mut entries[CELLS_PER_BRICK..];
     let mut blocks = blocks.get_mut(1..).unwrap_or_default();
+    let mut strata = strata.get_mut(1..).unwrap_or_default();
     let mut first = 1;
     let mut give = |(bricks, &count): (&Range<usize>, &usize)| {
         let (own_entries, rest) =
@@ -297,8 +314,15 @@ fn split<'a>(
         entries = rest;
         let (own_blocks, rest) = std::mem::take(&mut blocks).split_at_mut(count);
         blocks = rest;
-        let batch =
-            Batch { bricks: bricks.clone(), entries: own_entries, blocks: (own_blocks, first) };
+        let own = if strata.is_empty() { 0 } else { count };
+        let (own_strata, rest) = std::mem::take(&mut strata).split_at_mut(own);
+        strata = rest;
+        let batch = Batch {
+            bricks: bricks.clone(),
+            entries: own_entries,
+            blocks: (own_blocks, first),
+            strata: own_strata,
+        };
         first += count;
         batch
     };

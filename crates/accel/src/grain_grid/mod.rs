@@ -29,7 +29,8 @@ pub use packing::Packing;
 pub use parts::{GrainParts, PartReader};
 pub(crate) use sites::{LatticeSites, SiteKind};
 
-use crate::Surfaces;
+use crate::strata::BlockStrata;
+use crate::{STRATA, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_math::{Aabb, DVec3, Ray};
 use thiserror::Error;
@@ -158,6 +159,8 @@ pub struct GrainGrid {
     pub(crate) margin: i32,
     storage: Storage,
     blocks: Vec<Block>,
+    /// Of each block, where any grain has a stratum; else empty.
+    strata: Vec<BlockStrata>,
     grains: u64,
 }
 
@@ -171,7 +174,7 @@ impl GrainGrid {
     /// Memory of the grains and their acceleration, bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        let blocks = size_of_val(self.blocks.as_slice());
+        let blocks = size_of_val(self.blocks.as_slice()) + size_of_val(self.strata.as_slice());
         let cells = match &self.storage {
             Storage::Packed(cells) => cells.memory_bytes(),
             Storage::Lattice(cells) => cells.memory_bytes(),
@@ -309,6 +312,11 @@ impl GrainGrid {
         &self.blocks
     }
 
+    /// The strata of the grains of each block; empty where no grain has one.
+    pub(crate) fn strata(&self) -> &[BlockStrata] {
+        &self.strata
+    }
+
     #[inline(always)]
     pub(crate) fn entry(&self, cell: [i32; 3]) -> CellEntry {
         match &self.storage {
@@ -332,7 +340,26 @@ impl GrainGrid {
         surfaces: &Surfaces,
         packing: Packing,
     ) -> Result<Self, GridError> {
-        build::build(quantisation, grains.into(), surfaces, None, packing)
+        build::build(quantisation, grains.into(), (surfaces, &[]), None, packing)
+    }
+
+    /// As [`Self::build`], with the stratum of each grain, at most [`crate::STRATA`], in the order of the
+    /// grains.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    ///
+    /// # Panics
+    /// If there are not as many strata as grains, or one is too large.
+    pub fn build_in_strata<'a>(
+        quantisation: Quantisation,
+        grains: impl Into<GrainParts<'a>>,
+        surfaces: &Surfaces,
+        packing: Packing,
+        strata: &[u8],
+    ) -> Result<Self, GridError> {
+        assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
+        build::build(quantisation, grains.into(), (surfaces, strata), None, packing)
     }
 
     /// Packs grains that repeat along x and z with the given periods (quanta), over no surfaces.
@@ -349,7 +376,7 @@ impl GrainGrid {
         packing: Packing,
     ) -> Result<Self, GridError> {
         let surfaces = Surfaces::default();
-        build::build(quantisation, grains.into(), &surfaces, Some(period_quanta), packing)
+        build::build(quantisation, grains.into(), (&surfaces, &[]), Some(period_quanta), packing)
     }
 
     /// A crystal lattice of `counts` conventional cells whose first has its low corner at the
@@ -376,6 +403,7 @@ impl GrainGrid {
                 margin: 0,
                 storage: Storage::Sites(sites),
                 blocks: Vec::new(),
+                strata: Vec::new(),
                 grains,
             });
         }
@@ -395,6 +423,7 @@ impl GrainGrid {
             margin: i32::from(cell.radius_quanta) + build::PAD,
             storage: Storage::Lattice(storage),
             blocks,
+            strata: Vec::new(),
             grains,
         })
     }

@@ -305,6 +305,11 @@ pub struct SnowTable {
     /// grains, whose radii grow by the cube root of 1 + wetness; default 0; deposit, lattice.
     #[serde(default)]
     pub wetness: Option<f64>,
+    /// Impurities between the grains of this snow beside those of `ice.impurities`, { dust-sahara =
+    /// "50 ppm" }, loads as there; dust on top is a thin snowfall that has it; default none; deposit,
+    /// lattice, file.
+    #[serde(default)]
+    pub impurities: BTreeMap<String, LoadText>,
     /// Half-width of the uniform distribution of radii: a length, 0 to `radius`; default 0; deposit.
     #[serde(default)]
     pub variation: Option<Length>,

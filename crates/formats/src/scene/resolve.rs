@@ -19,6 +19,7 @@ use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
     Pores, SceneDescription,
 };
+use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,6 +63,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let objects = objects::objects(&checks, mesh)?;
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
+    let strata = strata(&checks, film.keep_ice_paths)?;
     if objects.is_empty() && snow.is_empty() {
         return Err(checks.missing("snow", "the scene is empty; add [[snow]] or [[object]]"));
     }
@@ -72,7 +74,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
-    Ok(SceneDescription { film, camera, ice, lights, objects, snow, integrator, packing })
+    Ok(SceneDescription { film, camera, ice, lights, objects, snow, strata, integrator, packing })
 }
 
 fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
@@ -145,6 +147,27 @@ fn ice(checks: &Checks<'_>) -> Result<IceDescription, SceneError> {
     Ok(IceDescription { ior: ice.ior, pores, absorption: ice.absorption.0, impurities })
 }
 
+/// The impurities of single bodies of snow.
+fn strata(checks: &Checks<'_>, keeps_ice_paths: bool) -> Result<Strata, SceneError> {
+    let loads = |(index, snow): (usize, &super::document::SnowTable)| {
+        impurities(checks, &format!("snow.{index}.impurities"), &snow.impurities)
+    };
+    let bodies: Vec<_> =
+        checks.document().snow.iter().enumerate().map(loads).collect::<Result<_, _>>()?;
+    let strata = Strata::of(&bodies).ok_or_else(|| {
+        let mend = format!(
+            "at most {STRATA} loads may differ; give all snow what it shares by ice.impurities"
+        );
+        checks.bad("snow", mend)
+    })?;
+    if keeps_ice_paths && !strata.loads.is_empty() {
+        let mend = "ice paths do not tell one snow from another: leave them out, or give all snow the \
+                    same by ice.impurities";
+        return Err(checks.misplaced("film.keep", mend));
+    }
+    Ok(strata)
+}
+
 /// The loads at a key.
 fn impurities(
     checks: &Checks<'_>,
@@ -187,7 +210,8 @@ fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
 /// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
 #[must_use]
 pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
-    scene.ice = IceDescription::clear(scene.ice.ior);
+    scene.ice = IceDescription { pores: scene.ice.pores, ..IceDescription::clear(scene.ice.ior) };
+    scene.strata = Strata::default();
     scene.lights = vec![LightDescription::Uniform {
         radiance: [1.0; 3],
         spectrum: Illuminant::D65,

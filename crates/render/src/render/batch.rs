@@ -32,9 +32,13 @@ impl Batch {
             Some(_) => (scene.environment.radiances(ray.direction), path.ice_length),
         };
         let mut radiance = [0.0; 3];
-        for (light, colour) in lights.iter().zip(&scene.colours) {
+        let in_strata = path.ice_in_strata.iter().any(|&length| length > 0.0);
+        for (slot, (light, colour)) in lights.iter().zip(&scene.colours).enumerate() {
             let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
-            let seen = colour.apply(weight, length);
+            let seen = match scene.strata_colours.get(slot) {
+                Some(strata) if in_strata => strata.apply(weight, length, &path.ice_in_strata),
+                _ => colour.apply(weight, length),
+            };
             radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
             if scene.film.keep_ice_paths {
                 self.weights.push(weight);

@@ -9,6 +9,7 @@ mod walk;
 
 pub use walk::trace;
 
+use snowgrain_accel::STRATA;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 
@@ -58,6 +59,8 @@ pub struct PathResult {
     pub throughput: [f32; 3],
     /// Length in ice, metres.
     pub ice_length: f64,
+    /// Of it, that in grains of each stratum from 1 on.
+    pub ice_in_strata: [f64; STRATA],
     /// Length in air within the box of the grains, metres.
     pub air_length: f64,
     /// Arrivals at grains from air.

@@ -233,6 +233,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 end,
                 throughput: walker.throughput,
                 ice_length: travelled.ice_length,
+                ice_in_strata: travelled.ice_in_strata,
                 air_length: travelled.air_length,
                 grain_visits: travelled.grain_visits,
                 interface_events: travelled.event

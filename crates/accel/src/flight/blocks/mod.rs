@@ -169,6 +169,7 @@ impl<'a> BlockFlight<'a> {
         let (group, at) = self.lane(lane);
         Travelled {
             ice_length: f64::from(group.ice_length[at]) * quantum,
+            ice_in_strata: group.ice_in_strata.map(|lengths| f64::from(lengths[at]) * quantum),
             air_length: f64::from(group.air_length[at]) * quantum,
             grain_visits: group.visits[at],
             event: group.event(at),

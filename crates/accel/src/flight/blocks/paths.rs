@@ -1,5 +1,6 @@
 //! The state of the paths in flight among packed grains.
 
+use crate::STRATA;
 use crate::flight::LANES;
 use crate::flight::random::{prepared, unprepared};
 use crate::grain_grid::{CellEntry, GridPosition};
@@ -32,6 +33,11 @@ pub(super) struct Group {
     pub(super) found_block: [u32; GROUP],
     pub(super) found_grain: [[u16; GROUP]; 3],
     pub(super) found_radius: [u16; GROUP],
+    /// Strata of that grain and of the one that the path is in, where the grid has any.
+    pub(super) found_stratum: [u8; GROUP],
+    pub(super) grain_stratum: [u8; GROUP],
+    /// Length in ice of each stratum from 1 on.
+    pub(super) ice_in_strata: [[f32; GROUP]; STRATA],
     /// Number of the brick of the path's cell, and the cell's place in it.
     pub(super) brick: [u32; GROUP],
     pub(super) within_brick: [u32; GROUP],
@@ -111,6 +117,7 @@ impl Group {
         self.key[1][at] = prepared(key.hi);
         self.set_event(at, event);
         self.ice_length[at] = 0.0;
+        self.ice_in_strata.iter_mut().for_each(|lengths| lengths[at] = 0.0);
         self.air_length[at] = 0.0;
         self.visits[at] = 0;
         self.turns[at] = 0;
@@ -138,6 +145,32 @@ impl Group {
         self.crowded = self.crowded & others | u32::from(crowded) << at;
     }
 
+    /// Adds to the length in ice of the grain that the path is in, and takes away what is negative.
+    pub(super) fn add_ice(&mut self, at: usize, length: f32) {
+        self.ice_length[at] += length;
+        if let Some(stratum) = usize::from(self.grain_stratum[at]).checked_sub(1) {
+            self.ice_in_strata[stratum][at] += length;
+        }
+    }
+
+    /// After an update: the paths `took` are in the grain that was found, and those of `chords` have made
+    /// the chord that is in the length in ice already.
+    pub(super) fn add_to_strata(&mut self, took: u32, mut chords: u32) {
+        let mut rest = took;
+        while rest != 0 {
+            let at = rest.trailing_zeros() as usize & (GROUP - 1);
+            rest &= rest - 1;
+            self.grain_stratum[at] = self.found_stratum[at];
+        }
+        while chords != 0 {
+            let at = chords.trailing_zeros() as usize & (GROUP - 1);
+            chords &= chords - 1;
+            if let Some(stratum) = usize::from(self.grain_stratum[at]).checked_sub(1) {
+                self.ice_in_strata[stratum][at] += self.chord[at];
+            }
+        }
+    }
+
     /// Copies the path at `from` of `source` to `to`.
     pub(super) fn copy_path(&mut self, to: usize, source: &Self, from: usize) {
         for (mine, theirs) in [
@@ -150,6 +183,11 @@ impl Group {
         set(&mut self.cell, to, get(&source.cell, from));
         set(&mut self.found_grain, to, get(&source.found_grain, from));
         self.found_radius[to] = source.found_radius[from];
+        self.found_stratum[to] = source.found_stratum[from];
+        self.grain_stratum[to] = source.grain_stratum[from];
+        for (mine, theirs) in self.ice_in_strata.iter_mut().zip(&source.ice_in_strata) {
+            mine[to] = theirs[from];
+        }
         for (mine, theirs) in [
             (&mut self.cos_outside, &source.cos_outside),
             (&mut self.found, &source.found),

@@ -21,7 +21,7 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
     while flight.events.is_empty() && flight.groups[..groups].iter().any(|g| g.flying() != 0) {
         for index in 0..groups {
             let group = &mut flight.groups[index];
-            test_group(simd, flight.grid.blocks(), group);
+            test_group(simd, (flight.grid.blocks(), flight.grid.strata()), group);
             if has_surfaces {
                 flight.meet_surfaces_in_air(index);
             }
@@ -31,7 +31,8 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
             let rare = if waiting < FEWER_WAITING && stepping >= LEAST_STEPPING {
                 step_group(simd, &flight.shape, group)
             } else {
-                update_group(simd, &flight.shape, flight.ice, group, first)
+                let strata = !flight.grid.strata().is_empty();
+                update_group(simd, &flight.shape, (flight.ice, strata), group, first)
             };
             if has_surfaces {
                 flight.forget_departures(index);

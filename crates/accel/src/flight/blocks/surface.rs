@@ -82,7 +82,7 @@ impl BlockFlight<'_> {
         let shape = self.shape;
         let group = &mut self.groups[index];
         let back = (hit.t / quantum) as f32 - chord;
-        group.ice_length[at] += back;
+        group.add_ice(at, back);
         move_to(&shape, group, at, back);
         group.turns[at] += 1;
         self.stop(lane, FlightEvent::Surface(hit));
@@ -129,7 +129,7 @@ pub(super) fn begin_chord(shape: &CellShape, group: &mut Group, at: usize) {
     let h2 = residual[0] * residual[0] + residual[1] * residual[1] + residual[2] * residual[2];
     let length = (t + (radius * radius - h2).max(0.0).sqrt()).max(0.0);
     group.chord[at] = length;
-    group.ice_length[at] += length;
+    group.add_ice(at, length);
     group.cos_outside[at] = -1.0;
     group.ice |= 1 << at;
     move_to(shape, group, at, length);

@@ -8,6 +8,7 @@
 
 use super::paths::{GROUP, Group, NOTHING, get};
 use crate::grain_grid::{Block, CellEntry, RADIUS_MASK};
+use crate::strata::BlockStrata;
 use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u16x16, u32x16};
@@ -103,7 +104,11 @@ impl Question {
 /// Asks the blocks of the cell of every path that is in air or at the end of a chord and has no answer
 /// yet.
 #[inline(always)]
-pub(super) fn test_group<S: Simd>(simd: S, blocks: &[Block], group: &mut Group) {
+pub(super) fn test_group<S: Simd>(
+    simd: S,
+    (blocks, strata): (&[Block], &[BlockStrata]),
+    group: &mut Group,
+) {
     let asking = !group.waiting;
     ask(simd, blocks, group, group.air & asking, Question::Entered);
     ask(simd, blocks, group, group.ice & asking, Question::Left);
@@ -119,6 +124,9 @@ pub(super) fn test_group<S: Simd>(simd: S, blocks: &[Block], group: &mut Group) 
         group.found_grain[1][at] = block.y[slot];
         group.found_grain[2][at] = block.z[slot];
         group.found_radius[at] = block.radius[slot];
+        if let Some(strata) = strata.get(group.found_block[at] as usize) {
+            group.found_stratum[at] = strata[slot];
+        }
     }
 }
 

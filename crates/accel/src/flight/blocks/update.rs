@@ -132,13 +132,13 @@ fn members<S: Simd>(simd: S, set: u32) -> M<S> {
     mask32x16::from_bitmask(simd, u64::from(set))
 }
 
-/// Applies the answers of the block tests; the set of paths that need a closer look: they may have
+/// Applies the answers of the block tests, where grains have `strata` to those too; the set of paths that need a closer look: they may have
 /// left the grid, met a surface within their grain, or be trapped.
 #[inline(always)]
 pub(super) fn update_group<S: Simd>(
     simd: S,
     shape: &CellShape,
-    ice: Ice,
+    (ice, strata): (Ice, bool),
     group: &mut Group,
     first: &mut FirstGrains,
 ) -> u32 {
@@ -266,6 +266,10 @@ pub(super) fn update_group<S: Simd>(
     Vector::choose(at_interface, new_direction, direction).store(&mut group.direction, 0);
     new_bits.store_slice(&mut group.grain_radius);
     chord.store_slice(&mut group.chord);
+    if strata {
+        let chords = (go_on | chord_made).to_bitmask() as u32;
+        group.add_to_strata(took_found.to_bitmask() as u32, chords);
+    }
     cos_outside.store_slice(&mut group.cos_outside);
     ice_length.store_slice(&mut group.ice_length);
     air_length.store_slice(&mut group.air_length);

@@ -6,6 +6,7 @@ use super::overlap::{ListedGrains, mark_overlapping};
 use crate::grain_grid::block::{MEETS_SURFACE, OVERLAPS};
 use crate::grain_grid::packed_cells::{BRICK, CELLS_PER_BRICK};
 use crate::grain_grid::{Block, CellEntry, GRAINS_PER_BLOCK};
+use crate::strata::BlockStrata;
 use fearless_simd::{Level, dispatch};
 use snowgrain_math::{Aabb, DVec3};
 use std::sync::atomic::Ordering::Relaxed;
@@ -13,8 +14,9 @@ use std::sync::atomic::Ordering::Relaxed;
 /// Most grains that a cell may list.
 pub(super) const MOST_PER_CELL: usize = CellEntry::MAX_BLOCKS_PER_CELL * GRAINS_PER_BLOCK;
 
-/// The flags of [`Block::radius`] as bits of a byte.
+/// The flags of [`Block::radius`] as bits of a byte, and the stratum above them.
 const FLAGS_SHIFT: u32 = 14;
+pub(super) const STRATUM_SHIFT: u32 = 2;
 
 /// A grain in a cell of a brick.
 #[derive(Clone, Copy, Debug)]
@@ -178,12 +180,14 @@ impl Packer<'_> {
         brick: &HeldBrick,
         grains: &[ReachingGrain],
         entries: &[CellEntry],
-        (blocks, first): (&mut [Block], usize),
+        (blocks, strata, first): (&mut [Block], &mut [BlockStrata], usize),
     ) {
         let cells = self.layout.cells_in_brick(self.layout.brick(brick.number as usize));
         let mut counts = [0u8; CELLS_PER_BRICK];
         for grain in grains {
-            let flags = u16::from(self.flags[grain.grain as usize].load(Relaxed)) << FLAGS_SHIFT;
+            let known = self.flags[grain.grain as usize].load(Relaxed);
+            // What lies above the flags is shifted out.
+            let flags = u16::from(known) << FLAGS_SHIFT;
             self.layout.for_cells(cells, grain.center, grain.radius, |cell, corner| {
                 let slot = usize::from(counts[cell]);
                 counts[cell] += 1;
@@ -192,6 +196,9 @@ impl Packer<'_> {
                     (grain.center[axis] - corner[axis] + self.margin) as u16
                 });
                 blocks[at].set(slot % GRAINS_PER_BLOCK, local, grain.radius | flags);
+                if let Some(strata) = strata.get_mut(at) {
+                    strata[slot % GRAINS_PER_BLOCK] = known >> STRATUM_SHIFT;
+                }
             });
         }
     }

@@ -25,6 +25,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "radius",
             "variation",
             "wetness",
+            "impurities",
             "density",
             "rule",
             "max_slope",
@@ -32,8 +33,10 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "area",
             "seed",
         ],
-        SnowSource::Lattice => &["lattice", "counts", "radius", "wetness", "spacing", "density"],
-        SnowSource::File => &["file"],
+        SnowSource::Lattice => {
+            &["lattice", "counts", "radius", "wetness", "impurities", "spacing", "density"]
+        }
+        SnowSource::File => &["file", "impurities"],
         SnowSource::Pack => &[],
     }
 }

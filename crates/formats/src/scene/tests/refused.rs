@@ -28,7 +28,7 @@ fn unknown_keys_suggest_the_nearest() {
     assert_eq!(
         in_snow("temperature = -3"),
         "folder/scene.toml:13: snow.0.temperature: unknown key; known here: area, counts, density, \
-         depth, direction, file, grains, lattice, max_slope, radius, rule, seed, source, spacing, variation, \
+         depth, direction, file, grains, impurities, lattice, max_slope, radius, rule, seed, source, spacing, variation, \
          wetness"
     );
     let long = instead("[camera]", &format!("[{}]", "x".repeat(10_000)));
@@ -223,7 +223,7 @@ fn keys_of_one_source_are_refused_on_another() {
         in_snow("lattice = \"fcc\""),
         "folder/scene.toml:13: snow.0.lattice = \"fcc\": not a key of source = \"deposit\" but of \
          \"lattice\"; remove it or change the source (deposit takes: grains, depth, radius, \
-         variation, wetness, density, rule, max_slope, direction, area, seed)"
+         variation, wetness, impurities, density, rule, max_slope, direction, area, seed)"
     );
     assert!(
         instead("\"deposit\"", "\"lattice\"")
@@ -314,6 +314,12 @@ fn ice_lights_and_objects_are_checked() {
     assert!(negative.contains("a load of -1 ppb of black-carbon is negative"), "{negative}");
     let counted = set("ice.impurities={ snow-algae = \"5 ppb\" }");
     assert!(counted.contains("cells in a millilitre"), "{counted}");
+    let both = refusal(
+        LEAST,
+        &["film.keep=[\"ice-paths\"]", "snow.impurities={ black-carbon = \"1ppm\" }"],
+    );
+    assert!(both.contains("film.keep") && both.contains("ice.impurities"), "{both}");
+    assert!(set("snow.impurities={ coal = \"1ppm\" }").contains("snow.0.impurities"));
     assert!(set("snow.wetness=-0.1").contains("must be 0 to 1"));
     assert!(set("ice.pores=oil").contains("water"));
     assert!(set("light.spectrum=c").contains("\"d65\""));
