@@ -19,6 +19,7 @@ pub mod fresnel;
 pub mod ice;
 pub mod ice_path;
 pub mod impurity;
+pub mod phase;
 mod quadrature;
 pub mod spectrum;
 pub mod sphere;

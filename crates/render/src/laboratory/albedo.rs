@@ -1,14 +1,13 @@
 //! Spectral albedo of layers of snow.
 
+use super::kernel::layers_for;
 use super::lengths::Ends;
 use super::nodes::{nodes_for, weights_at};
 use super::{GrainLayer, Incidence, SnowLayer, SnowStack};
 use crate::measure::Estimate;
 use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
-use snowgrain_accel::homogeneous::{
-    HomogeneousEnd, HomogeneousLayers, Illumination, trace_homogeneous,
-};
+use snowgrain_accel::homogeneous::{HomogeneousEnd, trace_homogeneous};
 use snowgrain_math::trig;
 use snowgrain_optics::sphere::{self, Polarisation};
 use snowgrain_optics::theory::{self, Fluxes, SingleScattering};
@@ -298,48 +297,6 @@ impl Runs {
             }
         }
         found
-    }
-}
-
-/// The layers as the kernel wants them, from where light enters on.
-pub(super) fn layers_for(
-    layers: &[SnowLayer],
-    stack: &SnowStack,
-    settings: &AlbedoSettings,
-    eta: f64,
-) -> HomogeneousLayers {
-    let mut bottom = 0.0;
-    let bottoms: Vec<f32> = layers
-        .iter()
-        .map(|layer| {
-            bottom += layer.optical_depth();
-            bottom as f32
-        })
-        .collect();
-    let least_absorption: Vec<f32> = layers
-        .iter()
-        .map(|layer| {
-            let wavelengths = settings.wavelengths_nm.iter();
-            let least = wavelengths
-                .map(|&wavelength| layer.absorption_per_metre(stack.ice, wavelength))
-                .fold(f64::INFINITY, f64::min);
-            (least * layer.radius) as f32
-        })
-        .collect();
-    let illumination = match settings.incidence {
-        Incidence::Diffuse => Illumination::Diffuse,
-        Incidence::Sun { zenith_degrees } => {
-            Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
-        }
-    };
-    HomogeneousLayers {
-        eta,
-        polarisation: settings.polarisation,
-        bottoms,
-        planes: Vec::new(),
-        illumination,
-        seed: settings.seed,
-        least_absorption,
     }
 }
 

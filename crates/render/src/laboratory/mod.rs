@@ -5,9 +5,12 @@
 //! which bends paths, is taken at a few nodes between which results are interpolated.
 
 mod albedo;
+mod batches;
+mod brdf;
 mod broadband;
 mod colour;
 mod grains;
+mod kernel;
 mod lengths;
 mod nodes;
 mod profile;
@@ -16,6 +19,7 @@ mod snow;
 pub use albedo::{
     Albedo, AlbedoSettings, Theory, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
+pub use brdf::{BrdfSettings, View, homogeneous_brdf, kokhanovsky_breon_brdf};
 pub use broadband::{Band, broadband, broadband_wavelengths_nm};
 pub use colour::{colour_wavelengths_nm, colours};
 pub use grains::GrainLayer;
