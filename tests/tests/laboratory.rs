@@ -66,7 +66,7 @@ fn settings(wavelengths_nm: Vec<f64>, incidence: Incidence) -> AlbedoSettings {
 }
 
 fn find(stack: &SnowStack, settings: &AlbedoSettings) -> Vec<Albedo> {
-    homogeneous_albedo(stack, settings, &mut |_, _| ())
+    homogeneous_albedo(stack, settings, &|_| ())
 }
 
 /// Compares a column of `albedo_semi_infinite.csv` for some radii and angles.
@@ -222,7 +222,7 @@ fn grains_at_random_places_transmit_what_an_independent_program_found() {
         stack.layers[0].density = 917.0 * solid_fraction;
         let settings = settings(vec![560.0], Incidence::Diffuse);
         let mut grains = GrainLayer::new(&stack, 5).expect("it packs");
-        let [exact] = grain_albedo(&stack, &mut grains, &settings, &mut |_, _| ())[..] else {
+        let [exact] = grain_albedo(&stack, &mut grains, &settings, &|_| ())[..] else {
             panic!("one wavelength has one albedo");
         };
         let allowed = 0.004f64.max(4.0 * exact.transmittance.standard_error);
@@ -247,7 +247,7 @@ fn light_in_snow_falls_off_as_fast_as_discrete_ordinates_say() {
         most_paths: 1_000_000,
         ..settings(cases.iter().map(|case| case.0).collect(), Incidence::Diffuse)
     };
-    let profiles = flux_profile(&stack, &depths, &settings, &mut |_, _| ()).expect("one layer");
+    let profiles = flux_profile(&stack, &depths, &settings, &|_| ()).expect("one layer");
     let albedos = find(&stack, &AlbedoSettings { standard_error: 0.002, ..settings });
     for (((wavelength, expected), fluxes), albedo) in cases.iter().zip(&profiles).zip(&albedos) {
         let fold = 60.0 / trig::ln(fluxes[1].down.mean / fluxes[2].down.mean);
@@ -262,7 +262,7 @@ fn light_in_snow_falls_off_as_fast_as_discrete_ordinates_say() {
         wavelengths_nm: vec![600.0],
         ..self::settings(vec![], Incidence::Diffuse)
     };
-    assert!(flux_profile(&ground, &depths, &none, &mut |_, _| ()).is_none());
+    assert!(flux_profile(&ground, &depths, &none, &|_| ()).is_none());
 }
 
 /// Layers of the same snow are one layer; a clean layer over a sooty one lies between both; a ground

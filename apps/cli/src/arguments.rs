@@ -6,6 +6,7 @@ mod laboratory_values;
 mod measure;
 mod optics;
 mod render;
+mod series;
 mod values;
 
 use clap::{Args, Parser, Subcommand};
@@ -18,10 +19,12 @@ pub(crate) use compare::CompareArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
-    AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, PhaseArguments,
-    PolarisationName, ProfileArguments, SearchArguments, SnowArguments, TableFormat,
+    AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
+    OpticsKind, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments, SnowArguments,
+    TableFormat,
 };
 pub(crate) use render::RenderArguments;
+pub(crate) use series::Series;
 pub(crate) use values::{PictureFile, PictureFormat, Size};
 
 /// Snowgrain renders snow that is made of real, discrete grains of ice.

@@ -1,11 +1,15 @@
 //! `snowgrain optics` as typed.
 
-use super::laboratory_values::{Depth, DepthBelow, ImpurityLoads, Wavelengths};
-use super::{MachineArguments, laboratory_values, values};
+mod brdf;
+
+use super::laboratory_values::ImpurityLoads;
+use super::{MachineArguments, Series, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_optics::sphere::Polarisation;
 use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
 use std::path::PathBuf;
+
+pub(crate) use brdf::{BrdfArguments, BrdfMethod};
 
 /// The snow laboratory: what flat layers of snow do to light at each wavelength.
 #[derive(Debug, Args)]
@@ -19,6 +23,7 @@ pub(crate) struct OpticsArguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
+    Brdf(Box<BrdfArguments>),
     Colour(Box<ColourArguments>),
     Phase(PhaseArguments),
     Profile(Box<ProfileArguments>),
@@ -51,8 +56,9 @@ pub(crate) struct AlbedoArguments {
     pub(crate) snow: SnowArguments,
 
     /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
-    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10")]
-    pub(crate) wavelengths: Wavelengths,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10",
+          value_parser = laboratory_values::wavelengths)]
+    pub(crate) wavelengths: Series,
 
     /// Bands instead of wavelengths: solar (300 to 2500 nm), visible (to 700) and near-infrared,
     /// under sun and sky of a clear day, or, for diffuse light, an overcast one
@@ -64,9 +70,8 @@ pub(crate) struct AlbedoArguments {
     pub(crate) diffuse: bool,
 
     /// Parallel light at these zenith angles, degrees
-    #[arg(long, value_name = "DEGREES,...", value_delimiter = ',',
-          value_parser = laboratory_values::zenith)]
-    pub(crate) sza: Vec<f64>,
+    #[arg(long, value_name = "DEGREES,...", value_parser = laboratory_values::zeniths)]
+    pub(crate) sza: Vec<Series>,
 
     /// How it is found
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
@@ -170,17 +175,19 @@ pub(crate) struct ProfileArguments {
     #[command(flatten)]
     pub(crate) snow: SnowArguments,
 
-    /// Depths below the surface, from the top down, as 0,1cm,5cm
-    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',', required = true)]
-    pub(crate) at: Vec<DepthBelow>,
+    /// Depths below the surface, from the top down, as 0,1cm,5cm or 0:10cm:1cm
+    #[arg(long, value_name = "LENGTH,...", required = true,
+          value_parser = laboratory_values::depths_below)]
+    pub(crate) at: Vec<Series>,
 
     /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
-    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "400:900:100")]
-    pub(crate) wavelengths: Wavelengths,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "400:900:100",
+          value_parser = laboratory_values::wavelengths)]
+    pub(crate) wavelengths: Series,
 
-    /// Parallel light at this zenith angle, degrees [default: light from all of the sky alike]
-    #[arg(long, value_name = "DEGREES", value_parser = laboratory_values::zenith)]
-    pub(crate) sza: Option<f64>,
+    /// Parallel light at these zenith angles, degrees [default: light from all of the sky alike]
+    #[arg(long, value_name = "DEGREES,...", value_parser = laboratory_values::zeniths)]
+    pub(crate) sza: Vec<Series>,
 
     /// Standard error of each downward flux to reach; 1 % of it as well
     #[arg(long, value_name = "ERROR", default_value_t = 0.005,
@@ -192,35 +199,38 @@ pub(crate) struct ProfileArguments {
 }
 
 /// Layers of snow.
+///
+/// Numbers that may be several are written as a,b,c or as a range FROM:TO:STEP, lengths with their units.
 #[derive(Debug, Args)]
 pub(crate) struct SnowArguments {
-    /// Radius of the grains, as 150um; several, separated by commas, make as many cases
-    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',',
-          value_parser = laboratory_values::radius)]
-    pub(crate) radius: Vec<f64>,
+    /// Radius of the grains, as 150um; several, as 100um,1mm or 100um:1mm:100um, make as many cases, as
+    /// for every option that takes several
+    #[arg(long, value_name = "LENGTH,...", value_parser = laboratory_values::radii)]
+    pub(crate) radius: Vec<Series>,
 
     /// Specific surface area of the grains instead, m^2/kg: 3 / (917 r)
-    #[arg(long, value_name = "M2/KG,...", value_delimiter = ',',
-          value_parser = laboratory_values::specific_surface_area)]
-    pub(crate) ssa: Vec<f64>,
+    #[arg(long, value_name = "M2/KG,...",
+          value_parser = laboratory_values::specific_surface_areas)]
+    pub(crate) ssa: Vec<Series>,
 
     /// Layers from a file instead (see below)
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["density", "depth", "impurity"])]
     pub(crate) layers: Option<PathBuf>,
 
     /// Density, kg/m^3
-    #[arg(long, value_name = "KG/M3,...", value_delimiter = ',', default_value = "300",
-          value_parser = laboratory_values::density)]
-    pub(crate) density: Vec<f64>,
+    #[arg(long, value_name = "KG/M3,...", default_value = "300",
+          value_parser = laboratory_values::densities)]
+    pub(crate) density: Vec<Series>,
 
     /// Depth, as 3cm; inf: deep enough that no light comes back from below
-    #[arg(long, value_name = "LENGTH|inf,...", value_delimiter = ',', default_value = "inf")]
-    pub(crate) depth: Vec<Depth>,
+    #[arg(long, value_name = "LENGTH|inf,...", default_value = "inf",
+          value_parser = laboratory_values::depths)]
+    pub(crate) depth: Vec<Series>,
 
     /// Albedo of the ground below, which is diffuse
-    #[arg(long, value_name = "0..1", default_value_t = 0.0,
-          value_parser = laboratory_values::albedo)]
-    pub(crate) ground: f64,
+    #[arg(long, value_name = "0..1,...", default_value = "0",
+          value_parser = laboratory_values::albedos)]
+    pub(crate) ground: Vec<Series>,
 
     /// Impurity between the grains and how much of it, as black-carbon=100ppb, snow-algae=20000cells/mL
     /// or dust-sahara=5e-6vol (volume per volume of ice); several loads make as many cases; repeatable

@@ -1,6 +1,8 @@
 //! `snowgrain optics`.
 
 mod albedo;
+mod brdf;
+mod cases;
 mod colour;
 mod phase;
 mod profile;
@@ -14,6 +16,7 @@ use crate::failure::Failure;
 pub(super) fn run(arguments: &OpticsArguments) -> Result<u8, Failure> {
     match &arguments.kind {
         OpticsKind::Albedo(arguments) => albedo::run(arguments),
+        OpticsKind::Brdf(arguments) => brdf::run(arguments),
         OpticsKind::Colour(arguments) => colour::run(arguments),
         OpticsKind::Phase(arguments) => phase::run(arguments),
         OpticsKind::Profile(arguments) => profile::run(arguments),

@@ -175,6 +175,39 @@ fn grains_refuse_polarised_light_and_packs_beyond_the_memory() {
 }
 
 #[test]
+fn reflectance_factors_come_for_every_direction_and_are_the_same_on_any_machine() {
+    let place = Workplace::new();
+    let brdf = ["optics", "brdf", "--ssa", "2:3:1", "--sza", "50", "--wavelengths", "900,1300"];
+    let views = ["--vza", "0:60:30", "--azimuth", "0,90", "--stderr", "0.1"];
+    let run = |more: &[&str]| place.run(&[&brdf[..], &views, more].concat());
+    let one =
+        run(&["--method", "homogeneous,kokhanovsky-breon", "--threads", "1", "--simd", "sse2"]);
+    assert_eq!(one.code, Some(0), "{}", one.stderr);
+    let names = "method,wavelength_nm,radius_um,sza_deg,depth_m,vza_deg,azimuth_deg,BRF,BRF_stderr";
+    assert!(one.stdout.starts_with(names), "{}", one.stdout);
+    let table = rows(&one.stdout);
+    assert_eq!(table.len(), 2 * 2 * 2 * 3 * 2);
+    let number = |row: usize, column: usize| table[row][column].parse::<f64>().unwrap();
+    // From the vertical, azimuths do not count; against the light, snow is brighter than from the side.
+    assert!((number(0, 7) - number(1, 7)).abs() < 1e-6);
+    assert!(number(4, 7) > number(5, 7) + 0.1 && number(4, 8) > 0.0, "{:?}", table[4]);
+    let three = run(&["--method", "homogeneous,kokhanovsky-breon", "--threads", "3"]);
+    assert_eq!(three.stdout, one.stdout);
+    assert!(three.stderr.contains("BRDF, 4 cases"), "{}", three.stderr);
+    for (more, told) in [
+        (vec!["--method", "kokhanovsky-breon", "--depth", "1cm"], "infinite depth"),
+        (vec!["--vza", "95"], "--vza"),
+        (vec!["--azimuth", "400"], "-360 to 360"),
+        (vec!["--vza", "0:80"], "FROM:TO:STEP"),
+    ] {
+        let ended = place.run(&[&brdf[..], &more].concat());
+        assert!(ended.code == Some(2) && ended.stderr.contains(told), "{more:?} {}", ended.stderr);
+    }
+    let ended = place.run(&["optics", "brdf", "--radius", "1mm"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("--sza"), "{}", ended.stderr);
+}
+
+#[test]
 fn light_falls_off_inside_snow() {
     let place = Workplace::new();
     let run = |more: &[&str]| {
@@ -247,6 +280,8 @@ fn what_snow_cannot_be_is_refused() {
         ("--impurity", "coal=1ppb", "no impurity is called 'coal'"),
         ("--method", "guess", "homogeneous"),
         ("--ice-k", "mine", "picard-2016"),
+        ("--density", "300:200:50", "FROM:TO:STEP"),
+        ("--ground", "0:2:0.5", "0 to 1"),
     ] {
         let grains: &[&str] =
             if ["--radius", "--ssa"].contains(&option) { &[] } else { &["--radius", "1mm"] };

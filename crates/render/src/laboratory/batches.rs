@@ -1,5 +1,6 @@
 //! Means of many numbers at once, whose errors follow from the differences between batches of paths.
 
+use super::progress::{Round, Tell};
 use crate::measure::Estimate;
 use rayon::prelude::*;
 
@@ -16,18 +17,23 @@ pub(super) struct Batches {
 
 impl Batches {
     /// The means over batches, traced until `error` of them, in that to reach, is at most 1, or too many
-    /// paths are. `batch` gives the means of the batch of a number, always as many. `progress` is told
-    /// the paths traced and the part of the way that is done.
+    /// paths are. `batch` gives the means of the batch of a number, always as many.
     pub(super) fn until_exact(
         self,
         batch: impl Fn(u64) -> Vec<f64> + Sync,
         error: impl Fn(&[Estimate]) -> f64,
-        progress: &mut dyn FnMut(u64, f64),
+        tell: Tell<'_>,
     ) -> Vec<Estimate> {
         let mut sums: Vec<[f64; 2]> = Vec::new();
-        let (mut done, mut next) = (0, self.first.max(2));
+        let (mut done, mut next, mut short) = (0u64, self.first.max(2), f64::INFINITY);
         loop {
-            let parts: Vec<Vec<f64>> = (done..done + next).into_par_iter().map(&batch).collect();
+            let round = Round::new(tell, done, short);
+            let one = |number: u64| {
+                let means = batch(number);
+                round.add(1);
+                means
+            };
+            let parts: Vec<Vec<f64>> = (done..done + next).into_par_iter().map(one).collect();
             sums.resize(parts[0].len(), [0.0; 2]);
             for part in &parts {
                 for (sum, value) in sums.iter_mut().zip(part) {
@@ -43,8 +49,7 @@ impl Batches {
             };
             let means: Vec<Estimate> = sums.iter().map(estimate).collect();
             let error = error(&means);
-            let short = error * error;
-            progress(done * self.paths, (1.0 / short).min(1.0));
+            short = error * error;
             if short <= 1.0 || done * self.paths >= self.most_paths {
                 return means;
             }

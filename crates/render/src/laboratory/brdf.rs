@@ -4,8 +4,10 @@ use super::albedo::bands;
 use super::batches::Batches;
 use super::kernel::{absorptions, least_absorption, optical_bottoms};
 use super::nodes::{nodes_for, weights_at};
+use super::progress::{Tell, part_of};
 use super::{AlbedoSettings, Incidence, SnowStack, homogeneous_albedo};
 use crate::measure::Estimate;
+use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
 use snowgrain_accel::homogeneous::{GrainExtent, Meeting, SpaceLayers, trace_in_space};
 use snowgrain_math::trig;
@@ -86,24 +88,25 @@ impl BrdfSettings {
 /// Methods in Atmospheric Optics", chapter 2): the mean is that of the equation of radiative transfer,
 /// but for the interpolation between refractive indices and the width of the bins of the phase function.
 /// A diffuse ground adds what reaches it and comes back, by the reciprocity of the layers.
-/// The result depends on the settings only. `progress` is told the paths of a round and the part of the
-/// way to the standard error that is done.
+/// The result depends on the settings only.
 #[must_use]
 pub fn homogeneous_brdf(
     stack: &SnowStack,
     settings: &BrdfSettings,
-    progress: &mut dyn FnMut(u64, f64),
+    tell: Tell<'_>,
 ) -> Vec<Vec<Estimate>> {
     let mut found = vec![Vec::new(); settings.wavelengths_nm.len()];
-    for band in bands(stack, &settings.wavelengths_nm) {
+    let bands = bands(stack, &settings.wavelengths_nm);
+    for (part, band) in bands.iter().enumerate() {
+        let tell = part_of(tell, part, bands.len());
         let wavelengths_nm = band.iter().map(|&index| settings.wavelengths_nm[index]).collect();
         let settings = BrdfSettings { wavelengths_nm, ..settings.clone() };
-        for (index, factors) in band.iter().zip(Search::new(stack, &settings).run(progress)) {
+        for (index, factors) in band.iter().zip(Search::new(stack, &settings).run(&tell)) {
             found[*index] = factors;
         }
     }
     if stack.ground_albedo > 0.0 && !stack.is_deep() {
-        add_ground(stack, settings, &mut found, progress);
+        add_ground(stack, settings, &mut found);
     }
     found
 }
@@ -187,8 +190,8 @@ impl<'a> Search<'a> {
     }
 
     /// Of each wavelength the factors in all views.
-    fn run(&self, progress: &mut dyn FnMut(u64, f64)) -> Vec<Vec<Estimate>> {
-        let (settings, views) = (self.settings, self.rays.len());
+    fn run(&self, tell: Tell<'_>) -> Vec<Vec<Estimate>> {
+        let settings = self.settings;
         let batches = Batches {
             paths: PATHS_PER_BATCH,
             first: FIRST_BATCHES,
@@ -198,41 +201,45 @@ impl<'a> Search<'a> {
             let worst = means.iter().map(|mean| mean.standard_error).fold(0.0, f64::max);
             worst / settings.standard_error
         };
-        let many = batches.until_exact(|batch| self.batch(batch), error, progress);
+        let many = batches.until_exact(|batch| self.batch(batch), error, tell);
         let count = settings.wavelengths_nm.len();
-        let mut found = vec![Vec::with_capacity(views); count];
-        for view in 0..views {
-            let first = self.scattered_once(view);
-            for (index, found) in found.iter_mut().enumerate() {
+        let of_wavelength = |(index, once): (usize, Vec<f64>)| {
+            let add = |(view, once): (usize, f64)| {
                 let more = many[view * count + index];
-                found.push(Estimate { mean: first[index] + more.mean, ..more });
-            }
-        }
-        found
+                Estimate { mean: once + more.mean, ..more }
+            };
+            once.into_iter().enumerate().map(add).collect()
+        };
+        self.scattered_once().into_iter().enumerate().map(of_wavelength).collect()
     }
 
-    /// Light that one grain sends into a view, at each wavelength: p / (4 (mu + mu0)) for each layer,
-    /// times what lies between its faces of exp(-tau (1/mu + 1/mu0)).
-    fn scattered_once(&self, view: usize) -> Vec<f64> {
+    /// Of each wavelength the light that one grain sends into each view: p / (4 (mu + mu0)) for each
+    /// layer, times what lies between its faces of exp(-tau (1/mu + 1/mu0)). The refractive index is that
+    /// of the wavelength: nothing can be interpolated across a rainbow.
+    fn scattered_once(&self) -> Vec<Vec<f64>> {
         let settings = self.settings;
-        let ([sun, cosine], scattering) = settings.geometry(settings.views[view]);
-        let slope = 1.0 / sun + 1.0 / cosine;
         let bottoms = optical_bottoms(&self.stack.layers);
-        let left = |depth: f32| trig::exp(-slope * f64::from(depth));
-        let weights = self.weights();
-        let mut light = vec![0.0; settings.wavelengths_nm.len()];
-        for (node, phases) in self.phases.iter().enumerate() {
-            let mut top = 0.0;
-            for (phase, &bottom) in phases.iter().zip(&bottoms) {
-                let part = (left(top) - left(bottom)) / (4.0 * (sun + cosine));
-                let phase = phase.at(scattering as f32);
-                for (index, light) in light.iter_mut().enumerate() {
-                    *light += weights[index][node] * part * f64::from(phase[index]);
+        let of_wavelength = |(index, &nm): (usize, &f64)| {
+            let medium = Dielectric { eta: ice::refractive_index(nm) };
+            let phase = |of: &Vec<f64>| {
+                PhaseTable::new(medium, settings.polarisation, &of[index..=index], PHASE_BINS)
+            };
+            let phases: Vec<PhaseTable> = self.absorptions.iter().map(phase).collect();
+            let light = |&view: &View| {
+                let ([sun, cosine], scattering) = settings.geometry(view);
+                let slope = 1.0 / sun + 1.0 / cosine;
+                let left = |depth: f32| trig::exp(-slope * f64::from(depth));
+                let (mut top, mut light) = (0.0, 0.0);
+                for (phase, &bottom) in phases.iter().zip(&bottoms) {
+                    let once = f64::from(phase.at(scattering as f32)[0]);
+                    light += once * (left(top) - left(bottom)) / (4.0 * (sun + cosine));
+                    top = bottom;
                 }
-                top = bottom;
-            }
-        }
-        light
+                light
+            };
+            settings.views.iter().map(light).collect()
+        };
+        settings.wavelengths_nm.par_iter().enumerate().map(of_wavelength).collect()
     }
 
     /// Of each wavelength the weights of the nodes.
@@ -332,19 +339,14 @@ impl Seen<'_> {
 /// a T(mu0) T(mu) / (1 - a R_d), with T those of parallel light and R_d that of diffuse light from
 /// below. Light from the ground comes through into a direction as much as light from there would come
 /// down to the ground.
-fn add_ground(
-    stack: &SnowStack,
-    settings: &BrdfSettings,
-    found: &mut [Vec<Estimate>],
-    progress: &mut dyn FnMut(u64, f64),
-) {
+fn add_ground(stack: &SnowStack, settings: &BrdfSettings, found: &mut [Vec<Estimate>]) {
     let albedo = stack.ground_albedo;
     let black = SnowStack { ground_albedo: 0.0, ..stack.clone() };
     let mut turned = black.clone();
     turned.layers.reverse();
-    let mut through = |zenith_degrees: f64| {
+    let through = |zenith_degrees: f64| {
         let settings = settings.fluxes(Incidence::Sun { zenith_degrees });
-        let fluxes = homogeneous_albedo(&black, &settings, progress);
+        let fluxes = homogeneous_albedo(&black, &settings, &|_| ());
         fluxes.iter().map(|fluxes| fluxes.transmittance).collect::<Vec<_>>()
     };
     let down = through(settings.sun_zenith_degrees);
@@ -354,7 +356,7 @@ fn add_ground(
             known.push((view.zenith_degrees, through(view.zenith_degrees)));
         }
     }
-    let back = homogeneous_albedo(&turned, &settings.fluxes(Incidence::Diffuse), progress);
+    let back = homogeneous_albedo(&turned, &settings.fluxes(Incidence::Diffuse), &|_| ());
     for (index, factors) in found.iter_mut().enumerate() {
         let (down, back) = (down[index], back[index].reflectance);
         let again = 1.0 / (1.0 - albedo * back.mean);

@@ -1,6 +1,7 @@
 //! A layer as what it is: grains at random places that repeat for ever, traced exactly.
 
 use super::lengths::Ends;
+use super::progress::Round;
 use super::{AlbedoSettings, Incidence, SnowLayer, SnowStack};
 use crate::measure::{self, SlabSettings};
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
@@ -61,13 +62,13 @@ impl GrainLayer {
         Ok(Self { world, period: period.map(|length| length as f64 * quantum), depth, radius })
     }
 
-    /// Traces paths for one refractive index.
+    /// Traces paths for one refractive index, lit from below or above.
     pub(super) fn trace(
         &mut self,
         eta: f64,
         settings: &AlbedoSettings,
-        from_below: bool,
-        paths: &Range<u64>,
+        (from_below, paths): (bool, &Range<u64>),
+        round: &Round<'_>,
     ) -> Ends {
         self.world.eta = eta;
         let slab = SlabSettings {
@@ -95,6 +96,7 @@ impl GrainLayer {
                 let (ends, radius) = (Ends::of(1), self.radius);
                 let mut source = LengthSource { slab: &slab, next: first, end, radius, ends };
                 trace(&self.world, settings.level, &mut source);
+                round.add(end - first);
                 source.ends
             })
             .collect();

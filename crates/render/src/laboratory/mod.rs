@@ -14,6 +14,7 @@ mod kernel;
 mod lengths;
 mod nodes;
 mod profile;
+mod progress;
 mod snow;
 
 pub use albedo::{
@@ -24,6 +25,7 @@ pub use broadband::{Band, broadband, broadband_wavelengths_nm};
 pub use colour::{colour_wavelengths_nm, colours};
 pub use grains::GrainLayer;
 pub use profile::{Flux, flux_profile};
+pub use progress::Tell;
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::MOST_LAYERS;
 pub use snowgrain_optics::sphere::Polarisation;

@@ -5,6 +5,7 @@ use super::batches::Batches;
 use super::kernel::layers_for;
 use super::lengths::LengthHistogram;
 use super::nodes::{nodes_for, weights_at};
+use super::progress::{Tell, part_of};
 use super::{AlbedoSettings, SnowStack};
 use crate::measure::Estimate;
 use snowgrain_accel::homogeneous::trace_homogeneous;
@@ -35,17 +36,19 @@ pub fn flux_profile(
     stack: &SnowStack,
     depths: &[f64],
     settings: &AlbedoSettings,
-    progress: &mut dyn FnMut(u64, f64),
+    tell: Tell<'_>,
 ) -> Option<Vec<Vec<Flux>>> {
     if stack.layers.len() != 1 || stack.ground_albedo > 0.0 {
         return None;
     }
     let mut found = vec![Vec::new(); settings.wavelengths_nm.len()];
-    for band in bands(stack, &settings.wavelengths_nm) {
+    let bands = bands(stack, &settings.wavelengths_nm);
+    for (part, band) in bands.iter().enumerate() {
+        let tell = part_of(tell, part, bands.len());
         let wavelengths_nm = band.iter().map(|&index| settings.wavelengths_nm[index]).collect();
         let settings = AlbedoSettings { wavelengths_nm, ..settings.clone() };
         let search = Search { stack, depths, settings: &settings };
-        for (index, fluxes) in band.iter().zip(search.run(progress)) {
+        for (index, fluxes) in band.iter().zip(search.run(&tell)) {
             found[*index] = fluxes;
         }
     }
@@ -60,7 +63,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Of each wavelength the fluxes at all depths.
-    fn run(&self, progress: &mut dyn FnMut(u64, f64)) -> Vec<Vec<Flux>> {
+    fn run(&self, tell: Tell<'_>) -> Vec<Vec<Flux>> {
         let nodes = nodes_for(&self.settings.wavelengths_nm);
         let batches = Batches {
             paths: PATHS_PER_TASK,
@@ -74,7 +77,7 @@ impl Search<'_> {
         let error = |means: &[Estimate]| {
             fluxes(means).iter().map(|flux| self.error_to_reach(flux)).fold(0.0, f64::max)
         };
-        let means = batches.until_exact(|task| self.task(&nodes, task), error, progress);
+        let means = batches.until_exact(|task| self.task(&nodes, task), error, tell);
         fluxes(&means).chunks(self.depths.len().max(1)).map(<[Flux]>::to_vec).collect()
     }
 

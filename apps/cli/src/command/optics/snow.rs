@@ -1,7 +1,7 @@
 //! The layers of snow that were asked for, and how they are told in tables.
 
 use super::table::{Cell, number};
-use crate::arguments::{SearchArguments, SnowArguments};
+use crate::arguments::{SearchArguments, Series, SnowArguments};
 use crate::failure::Failure;
 use snowgrain_accel::SimdLevel;
 use snowgrain_formats::laboratory::read_layers;
@@ -11,38 +11,49 @@ use snowgrain_render::laboratory::{AlbedoSettings, Incidence, SnowLayer, SnowSta
 
 /// Every combination of what was asked for, or the layers of the file.
 pub(super) fn stacks(arguments: &SnowArguments) -> Result<Vec<SnowStack>, Failure> {
-    let stack = |layers: Vec<SnowLayer>| SnowStack {
-        layers,
-        ground_albedo: arguments.ground,
-        ice: arguments.ice_k,
+    let grounds = Series::all(&arguments.ground);
+    let over = |layers: &Vec<SnowLayer>| {
+        let stack = |&ground_albedo: &f64| SnowStack {
+            layers: layers.clone(),
+            ground_albedo,
+            ice: arguments.ice_k,
+        };
+        grounds.iter().map(stack).collect::<Vec<_>>()
     };
     if let Some(path) = &arguments.layers {
-        return Ok(vec![stack(read_layers(path)?)]);
+        return Ok(over(&read_layers(path)?));
     }
-    let from_area = arguments.ssa.iter().map(|&area| radius_of_specific_surface_area(area));
-    let radii: Vec<f64> = arguments.radius.iter().copied().chain(from_area).collect();
+    let from_area = Series::all(&arguments.ssa).into_iter().map(radius_of_specific_surface_area);
     let mut mixtures: Vec<Vec<Impurity>> = vec![Vec::new()];
     for loads in &arguments.impurity {
-        mixtures = mixtures
-            .iter()
-            .flat_map(|mixture| {
-                loads.0.iter().map(|&impurity| [mixture.as_slice(), &[impurity]].concat())
-            })
-            .collect();
+        let with = |mixture: &Vec<Impurity>| {
+            let one = |&impurity: &Impurity| [mixture.as_slice(), &[impurity]].concat();
+            loads.0.iter().map(one).collect::<Vec<_>>()
+        };
+        mixtures = mixtures.iter().flat_map(with).collect();
     }
+    let (densities, depths) = (Series::all(&arguments.density), Series::all(&arguments.depth));
     let mut stacks = Vec::new();
-    for &radius in &radii {
-        for &density in &arguments.density {
-            for depth in &arguments.depth {
+    for radius in Series::all(&arguments.radius).into_iter().chain(from_area) {
+        for &density in &densities {
+            for &depth in &depths {
                 for impurities in &mixtures {
                     let impurities = impurities.clone();
-                    let layer = SnowLayer { radius, density, depth: depth.0, impurities };
-                    stacks.push(stack(vec![layer]));
+                    stacks.extend(over(&vec![SnowLayer { radius, density, depth, impurities }]));
                 }
             }
         }
     }
     Ok(stacks)
+}
+
+/// Parallel light at each zenith angle; light from all of the sky, first, where it is asked for or
+/// nothing else is.
+pub(super) fn incidences(diffuse: bool, zeniths: &[Series]) -> Vec<Incidence> {
+    let zeniths = Series::all(zeniths);
+    let diffuse = (diffuse || zeniths.is_empty()).then_some(Incidence::Diffuse);
+    let suns = zeniths.into_iter().map(|zenith_degrees| Incidence::Sun { zenith_degrees });
+    diffuse.into_iter().chain(suns).collect()
 }
 
 /// Settings of a search by Monte Carlo, without what it searches for.
