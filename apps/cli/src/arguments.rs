@@ -21,7 +21,7 @@ pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, Sla
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
     OpticsKind, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments, SnowArguments,
-    TableFormat,
+    SpreadArguments, SpreadMethod, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use series::Series;

@@ -1,6 +1,7 @@
 //! `snowgrain optics` as typed.
 
 mod brdf;
+mod spread;
 
 use super::laboratory_values::ImpurityLoads;
 use super::{MachineArguments, Series, laboratory_values, values};
@@ -10,6 +11,7 @@ use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
 use std::path::PathBuf;
 
 pub(crate) use brdf::{BrdfArguments, BrdfMethod};
+pub(crate) use spread::{SpreadArguments, SpreadMethod};
 
 /// The snow laboratory: what flat layers of snow do to light at each wavelength.
 #[derive(Debug, Args)]
@@ -27,6 +29,7 @@ pub(crate) enum OpticsKind {
     Colour(Box<ColourArguments>),
     Phase(PhaseArguments),
     Profile(Box<ProfileArguments>),
+    Spread(Box<SpreadArguments>),
 }
 
 /// Spectral reflectance, transmittance and absorptance of flat layers of snow.

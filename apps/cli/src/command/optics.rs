@@ -7,6 +7,7 @@ mod colour;
 mod phase;
 mod profile;
 mod snow;
+mod spread;
 mod swatches;
 mod table;
 
@@ -20,5 +21,6 @@ pub(super) fn run(arguments: &OpticsArguments) -> Result<u8, Failure> {
         OpticsKind::Colour(arguments) => colour::run(arguments),
         OpticsKind::Phase(arguments) => phase::run(arguments),
         OpticsKind::Profile(arguments) => profile::run(arguments),
+        OpticsKind::Spread(arguments) => spread::run(arguments),
     }
 }

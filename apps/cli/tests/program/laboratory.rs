@@ -232,6 +232,50 @@ fn light_falls_off_inside_snow() {
 }
 
 #[test]
+fn light_that_enters_at_a_point_spreads() {
+    let place = Workplace::new();
+    let run = |more: &[&str]| {
+        let spread = ["optics", "spread", "--radius", "500um", "--wavelengths", "700"];
+        place.run(&[&spread[..], &["--stderr", "0.02"], more].concat())
+    };
+    let both = ["--density", "250", "--depth", "1cm", "--method", "homogeneous,grains"];
+    let one = run(&[&both[..], &["--threads", "1", "--simd", "sse2"]].concat());
+    assert_eq!(one.code, Some(0), "{}", one.stderr);
+    let names =
+        "method,wavelength_nm,radius_um,sza_deg,depth_m,quantity,from,to,value,value_stderr";
+    assert!(one.stdout.starts_with(names), "{}", one.stdout);
+    assert_eq!(run(&[&both[..], &["--threads", "3", "-q"]].concat()).stdout, one.stdout);
+    let table = rows(&one.stdout);
+    for method in ["homogeneous", "grains"] {
+        let value = |quantity: &str| -> Vec<f64> {
+            let of = table.iter().filter(|row| row[0] == method && row[5] == quantity);
+            of.map(|row| row[8].parse().unwrap()).collect()
+        };
+        let one = |quantity: &str| value(quantity)[0];
+        assert!((one("R") + one("T") - 1.0).abs() < 0.05 && one("R") > 0.2);
+        for quantity in ["R_per_area", "R_within", "T_per_width", "T_per_path", "T_per_time"] {
+            assert!(value(quantity).len() > 15, "{method} {quantity}");
+        }
+        assert!((value("R_within").last().unwrap() - one("R")).abs() < 1e-5);
+        assert!(one("R_median_radius_m") < one("R_radius_90_m"));
+        // Light takes 3.3 ps for a millimetre, and 13 mm are the least way through ice and air.
+        assert!((one("T_mean_time_ps") / one("T_mean_path_m") / 3335.64 - 1.0).abs() < 1e-3);
+        assert!(one("T_mean_path_m") > 0.011, "{}", one("T_mean_path_m"));
+    }
+    let deep = run(&["--diffuse", "--sza", "30", "-q"]);
+    assert!(deep.code == Some(0) && !deep.stdout.contains(",T,"), "{}", deep.stderr);
+    for (more, code, told) in [
+        (vec!["--ground", "0.5"], 2, "--ground"),
+        (vec!["--method", "grains"], 65, "need a depth"),
+        (vec!["--method", "grains", "--polarisation", "tracked"], 2, "--polarisation"),
+    ] {
+        let ended = run(&more);
+        assert_eq!(ended.code, Some(code), "{more:?} {}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{more:?} {}", ended.stderr);
+    }
+}
+
+#[test]
 fn colours_come_from_above_and_below_with_a_picture() {
     let place = Workplace::new();
     let ended = place.run(&[

@@ -1,17 +1,18 @@
 //! The same light followed in space: with a direction of three parts and a place on the surface.
 //!
-//! The path starts at the origin, on the surface; x points where the light goes, z down.
+//! The path starts at the origin, on the surface; x points where parallel light goes, z down.
 
 use super::account::{Account, MUCH};
 use super::arithmetic::{cos_sin_of_turn, ln};
 use super::grain::{Grain, Passage};
-use super::{HomogeneousEnd, MOST_LAYERS};
+use super::{HomogeneousEnd, Illumination, MOST_LAYERS};
 use crate::SimdLevel;
 use crate::flight::random::unit_interval;
 use crate::flight::vector::{F, M, Vector, W, WIDTH};
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
-use snowgrain_math::sampler::PathKey;
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::trig;
 use snowgrain_optics::sphere::Polarisation;
 use std::ops::Range;
 
@@ -25,7 +26,7 @@ pub enum GrainExtent {
     Spheres,
 }
 
-/// The layers and the parallel light that falls on them.
+/// The layers and the light that falls on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpaceLayers {
     /// Refractive index of the ice, at least 1.
@@ -38,8 +39,8 @@ pub struct SpaceLayers {
     pub free_path: f32,
     /// Whether grains take room.
     pub extent: GrainExtent,
-    /// Cosine of the angle of the light from the vertical, in (0, 1].
-    pub cos_theta: f32,
+    /// Direction of the light.
+    pub illumination: Illumination,
     /// Depth down to which meetings with grains are shown; below 0: none is.
     pub shown_depth: f32,
     /// Seed.
@@ -150,8 +151,7 @@ impl Paths {
         let Some(number) = todo.next() else { return };
         let key = PathKey::new(layers.seed, number, 0);
         self.account.open(lane, key, layers.bottoms.len());
-        let cos = layers.cos_theta;
-        let direction = [(1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos];
+        let direction = first_direction(layers.illumination, key);
         for (axis, part) in direction.into_iter().enumerate() {
             self.position[axis][lane] = 0.0;
             self.direction[axis][lane] = part;
@@ -230,6 +230,19 @@ impl Paths {
                 ice_lengths: &self.account.ice_lengths(lane, count)[..count],
                 grain_visits: self.account.visits[lane],
             });
+        }
+    }
+}
+
+fn first_direction(illumination: Illumination, key: PathKey) -> [f32; 3] {
+    match illumination {
+        Illumination::Parallel(cos) => [(1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos],
+        Illumination::Diffuse => {
+            // The square root of a number in (0, 1]: as flux through a plane.
+            let [sin2, azimuth, _] = numbers(key, 0);
+            let (across, along) = trig::sin_cos(core::f64::consts::TAU * f64::from(azimuth));
+            let sin = f64::from(sin2.sqrt());
+            [(sin * along) as f32, (sin * across) as f32, (1.0 - sin2).sqrt()]
         }
     }
 }

@@ -147,7 +147,7 @@ fn in_space(extent: GrainExtent, free_path: f32, depth: f32) -> SpaceLayers {
         bottoms: vec![depth],
         free_path,
         extent,
-        cos_theta: 0.6,
+        illumination: Illumination::Parallel(0.6),
         shown_depth: -1.0,
         seed: 0,
         least_absorption: vec![0.0],
@@ -157,9 +157,16 @@ fn in_space(extent: GrainExtent, free_path: f32, depth: f32) -> SpaceLayers {
 /// Followed in space, light comes to the same ends, and directions and weights stay what they are.
 #[test]
 fn paths_in_space_end_where_plane_ones_do() {
+    for illumination in [Illumination::Parallel(0.6), Illumination::Diffuse] {
+        assert_same_ends(illumination);
+    }
+}
+
+fn assert_same_ends(illumination: Illumination) {
     let (depth, paths) = (5.0f32, 100_000);
-    let plane = sums(&slab(depth, Illumination::Parallel(0.6)), paths);
-    let layers = SpaceLayers { shown_depth: 1.0, ..in_space(GrainExtent::Points, 1.0, depth) };
+    let plane = sums(&slab(depth, illumination), paths);
+    let space = in_space(GrainExtent::Points, 1.0, depth);
+    let layers = SpaceLayers { shown_depth: 1.0, illumination, ..space };
     let (mut reflected, mut visits, mut shown, mut aside) = (0.0, 0.0, 0.0, 0.0);
     trace_in_space(
         &layers,
@@ -194,8 +201,11 @@ fn spheres_move_light_on() {
     // Hardly any way between grains: the second meeting tells what the first grain did.
     let ends = |extent: GrainExtent, paths: u64| {
         let (mut first, mut second) = (0.0, 0.0);
-        let layers =
-            SpaceLayers { cos_theta: 1.0, shown_depth: 1e9, ..in_space(extent, 1e-3, 8.0) };
+        let layers = SpaceLayers {
+            illumination: Illumination::Parallel(1.0),
+            shown_depth: 1e9,
+            ..in_space(extent, 1e-3, 8.0)
+        };
         trace_in_space(
             &layers,
             SimdLevel::detect(),

@@ -4,6 +4,9 @@ use super::progress::{Round, Tell};
 use crate::measure::Estimate;
 use rayon::prelude::*;
 
+/// Batches whose means are held at a time.
+const AT_ONCE: u64 = 256;
+
 /// How many paths are followed at a time, and in all.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Batches {
@@ -33,14 +36,18 @@ impl Batches {
                 round.add(1);
                 means
             };
-            let parts: Vec<Vec<f64>> = (done..done + next).into_par_iter().map(one).collect();
-            sums.resize(parts[0].len(), [0.0; 2]);
-            for part in &parts {
-                for (sum, value) in sums.iter_mut().zip(part) {
-                    *sum = [sum[0] + value, sum[1] + value * value];
+            let until = done + next;
+            while done < until {
+                let some = done..until.min(done + AT_ONCE);
+                done = some.end;
+                let parts: Vec<Vec<f64>> = some.into_par_iter().map(one).collect();
+                sums.resize(parts[0].len(), [0.0; 2]);
+                for part in &parts {
+                    for (sum, value) in sums.iter_mut().zip(part) {
+                        *sum = [sum[0] + value, sum[1] + value * value];
+                    }
                 }
             }
-            done += next;
             let n = done as f64;
             let estimate = |[sum, squares]: &[f64; 2]| {
                 let mean = sum / n;

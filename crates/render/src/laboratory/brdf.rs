@@ -2,7 +2,7 @@
 
 use super::albedo::bands;
 use super::batches::Batches;
-use super::kernel::{absorptions, least_absorption, optical_bottoms};
+use super::kernel::{absorptions, illumination, least_absorption, optical_bottoms};
 use super::nodes::{nodes_for, weights_at};
 use super::progress::{Tell, part_of};
 use super::{AlbedoSettings, Incidence, SnowStack, homogeneous_albedo};
@@ -287,7 +287,9 @@ impl<'a> Search<'a> {
             bottoms: optical_bottoms(&stack.layers),
             free_path: 1.0,
             extent: GrainExtent::Points,
-            cos_theta: trig::sin_cos(settings.sun_zenith_degrees.to_radians()).1 as f32,
+            illumination: illumination(Incidence::Sun {
+                zenith_degrees: settings.sun_zenith_degrees,
+            }),
             shown_depth: DEEPEST * highest,
             seed: settings.seed,
             least_absorption: least_absorption(&stack.layers, stack, &settings.wavelengths_nm),

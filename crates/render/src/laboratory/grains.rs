@@ -2,7 +2,7 @@
 
 use super::lengths::Ends;
 use super::progress::Round;
-use super::{AlbedoSettings, Incidence, SnowLayer, SnowStack};
+use super::{AlbedoSettings, Incidence, SnowLayer, SnowStack, SpreadSettings};
 use crate::measure::{self, SlabSettings};
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
 use crate::{RenderError, World};
@@ -62,6 +62,33 @@ impl GrainLayer {
         Ok(Self { world, period: period.map(|length| length as f64 * quantum), depth, radius })
     }
 
+    /// The ice is of this refractive index from now on.
+    pub(super) fn set_refractive_index(&mut self, eta: f64) {
+        self.world.eta = eta;
+    }
+
+    /// Follows paths that enter from above all over the pack and shows where each leaves, on this thread.
+    pub(super) fn trace_from_points(
+        &self,
+        settings: &SpreadSettings,
+        paths: Range<u64>,
+        left: &mut dyn FnMut(GrainExit),
+    ) {
+        let slab = SlabSettings {
+            top: self.depth,
+            bottom: 0.0,
+            period: self.period,
+            incidence: slab_incidence(settings.incidence),
+            from_below: false,
+            absorption_per_metre: 0.0,
+            paths: paths.end - paths.start,
+            seed: settings.seed,
+            level: settings.level,
+        };
+        let mut source = PlaceSource { slab: &slab, paths, left };
+        trace(&self.world, settings.level, &mut source);
+    }
+
     /// Traces paths for one refractive index, lit from below or above.
     pub(super) fn trace(
         &mut self,
@@ -70,17 +97,12 @@ impl GrainLayer {
         (from_below, paths): (bool, &Range<u64>),
         round: &Round<'_>,
     ) -> Ends {
-        self.world.eta = eta;
+        self.set_refractive_index(eta);
         let slab = SlabSettings {
             top: self.depth,
             bottom: 0.0,
             period: self.period,
-            incidence: match settings.incidence {
-                Incidence::Diffuse => measure::Incidence::Lambertian,
-                Incidence::Sun { zenith_degrees } => {
-                    measure::Incidence::Collimated { zenith_degrees }
-                }
-            },
+            incidence: slab_incidence(settings.incidence),
             from_below,
             absorption_per_metre: 0.0,
             paths: paths.end - paths.start,
@@ -106,6 +128,13 @@ impl GrainLayer {
     }
 }
 
+fn slab_incidence(incidence: Incidence) -> measure::Incidence {
+    match incidence {
+        Incidence::Diffuse => measure::Incidence::Lambertian,
+        Incidence::Sun { zenith_degrees } => measure::Incidence::Collimated { zenith_degrees },
+    }
+}
+
 /// Paths into a slab, of which the ends are kept.
 struct LengthSource<'a> {
     slab: &'a SlabSettings,
@@ -128,5 +157,44 @@ impl PathSource for LengthSource<'_> {
         let PathEnd::Escaped(ray) = path.end else { return };
         let through = (ray.direction.y > 0.0) == self.slab.from_below;
         self.ends.add(1.0, through, &[path.ice_length / self.radius]);
+    }
+}
+
+/// A path that leaves the pack. Lengths in metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GrainExit {
+    pub(super) below: bool,
+    /// From where it entered, along x, into which the light goes, and along z.
+    pub(super) place: [f64; 2],
+    pub(super) ice: f64,
+    /// Between the faces.
+    pub(super) air: f64,
+}
+
+/// Paths into a slab, of which it is shown where they leave.
+struct PlaceSource<'a> {
+    slab: &'a SlabSettings,
+    paths: Range<u64>,
+    left: &'a mut dyn FnMut(GrainExit),
+}
+
+impl PathSource for PlaceSource<'_> {
+    /// Where it entered.
+    type Tag = [f64; 2];
+
+    fn next_path(&mut self) -> Option<NewPath<[f64; 2]>> {
+        let NewPath { ray, key, event, .. } = self.slab.path(self.paths.next()?);
+        Some(NewPath { tag: [ray.origin.x, ray.origin.z], ray, key, event })
+    }
+
+    fn finish(&mut self, [x, z]: [f64; 2], path: &PathResult) {
+        let PathEnd::Escaped(ray) = path.end else { return };
+        let below = ray.direction.y < 0.0;
+        let face = if below { self.slab.bottom } else { self.slab.top };
+        let beyond = (ray.origin.y - face) / ray.direction.y;
+        let at = ray.at(-beyond);
+        let place = [at.x - x, at.z - z];
+        let air = path.air_length - beyond;
+        (self.left)(GrainExit { below, place, ice: path.ice_length, air });
     }
 }

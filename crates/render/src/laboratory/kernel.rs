@@ -11,20 +11,23 @@ pub(super) fn layers_for(
     settings: &AlbedoSettings,
     eta: f64,
 ) -> HomogeneousLayers {
-    let illumination = match settings.incidence {
-        Incidence::Diffuse => Illumination::Diffuse,
-        Incidence::Sun { zenith_degrees } => {
-            Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
-        }
-    };
     HomogeneousLayers {
         eta,
         polarisation: settings.polarisation,
         bottoms: optical_bottoms(layers),
         planes: Vec::new(),
-        illumination,
+        illumination: illumination(settings.incidence),
         seed: settings.seed,
         least_absorption: least_absorption(layers, stack, &settings.wavelengths_nm),
+    }
+}
+
+pub(super) fn illumination(incidence: Incidence) -> Illumination {
+    match incidence {
+        Incidence::Diffuse => Illumination::Diffuse,
+        Incidence::Sun { zenith_degrees } => {
+            Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
+        }
     }
 }
 

@@ -16,6 +16,7 @@ mod nodes;
 mod profile;
 mod progress;
 mod snow;
+mod spread;
 
 pub use albedo::{
     Albedo, AlbedoSettings, Theory, grain_albedo, homogeneous_albedo, theoretical_albedo,
@@ -29,3 +30,4 @@ pub use progress::Tell;
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::MOST_LAYERS;
 pub use snowgrain_optics::sphere::Polarisation;
+pub use spread::{FaceSpread, Spread, SpreadBin, SpreadSettings, grain_spread, homogeneous_spread};

@@ -4,13 +4,11 @@ use super::cases::{Share, find_all};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
 use crate::arguments::{AlbedoArguments, Method, PolarisationName};
-use crate::budget::Budget;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::threads::pool;
-use snowgrain_render::CostEstimate;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, Band, GrainLayer, Incidence, SnowStack, Tell, Theory, broadband,
+    Albedo, AlbedoSettings, Band, Incidence, SnowStack, Tell, Theory, broadband,
     broadband_wavelengths_nm, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
 use snowgrain_render::measure::Estimate;
@@ -156,15 +154,9 @@ impl Search<'_> {
                     return Ok(homogeneous_albedo(stack, &settings, tell));
                 }
                 if arguments.search.polarisation == PolarisationName::Tracked {
-                    return Err(Failure::usage(
-                        "grains are traced with unpolarised light; leave --polarisation out, or use \
-                     --method homogeneous",
-                    ));
+                    return Err(snow::grains_are_unpolarised());
                 }
-                let budget = Budget::of_this_machine(arguments.search.machine.max_memory);
-                let needs = CostEstimate::of_grains(GrainLayer::grains(stack));
-                budget.map_or(Ok(()), |budget| budget.check(&needs))?;
-                let mut layer = GrainLayer::new(stack, settings.seed)?;
+                let mut layer = snow::grain_layer(stack, &arguments.search)?;
                 return Ok(grain_albedo(stack, &mut layer, &settings, tell));
             }
             Method::WiscombeWarren => Theory::WiscombeWarren,

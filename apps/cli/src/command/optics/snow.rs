@@ -2,12 +2,14 @@
 
 use super::table::{Cell, number};
 use crate::arguments::{SearchArguments, Series, SnowArguments};
+use crate::budget::Budget;
 use crate::failure::Failure;
 use snowgrain_accel::SimdLevel;
 use snowgrain_formats::laboratory::read_layers;
 use snowgrain_optics::ice::radius_of_specific_surface_area;
 use snowgrain_optics::{Impurity, Load};
-use snowgrain_render::laboratory::{AlbedoSettings, Incidence, SnowLayer, SnowStack};
+use snowgrain_render::CostEstimate;
+use snowgrain_render::laboratory::{AlbedoSettings, GrainLayer, Incidence, SnowLayer, SnowStack};
 
 /// Every combination of what was asked for, or the layers of the file.
 pub(super) fn stacks(arguments: &SnowArguments) -> Result<Vec<SnowStack>, Failure> {
@@ -68,6 +70,28 @@ pub(super) fn search(arguments: &SearchArguments) -> AlbedoSettings {
         seed: arguments.seed,
         level: arguments.machine.simd.unwrap_or_else(SimdLevel::detect),
     }
+}
+
+/// The only layer of `stack` as a pack of grains.
+///
+/// # Errors
+/// Snow of which no pack can be made, or for which there is no room.
+pub(super) fn grain_layer(
+    stack: &SnowStack,
+    arguments: &SearchArguments,
+) -> Result<GrainLayer, Failure> {
+    let budget = Budget::of_this_machine(arguments.machine.max_memory);
+    let needs = CostEstimate::of_grains(GrainLayer::grains(stack));
+    budget.map_or(Ok(()), |budget| budget.check(&needs))?;
+    Ok(GrainLayer::new(stack, arguments.seed)?)
+}
+
+/// What is said where grains should be traced with light whose polarisation is tracked.
+pub(super) fn grains_are_unpolarised() -> Failure {
+    Failure::usage(
+        "grains are traced with unpolarised light; leave --polarisation out, or use --method \
+         homogeneous",
+    )
 }
 
 /// A value of the only layer; what differs between layers is not one number.
