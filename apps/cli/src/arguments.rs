@@ -25,7 +25,7 @@ pub(crate) use optics::{
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use series::Series;
-pub(crate) use values::{PictureFile, PictureFormat, Size};
+pub(crate) use values::{PictureFile, PictureFormat, PlotFile, PlotFormat, Size};
 
 /// Snowgrain renders snow that is made of real, discrete grains of ice.
 #[derive(Debug, Parser)]

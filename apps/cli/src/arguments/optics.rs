@@ -4,7 +4,7 @@ mod brdf;
 mod spread;
 
 use super::laboratory_values::ImpurityLoads;
-use super::{MachineArguments, Series, laboratory_values, values};
+use super::{MachineArguments, PlotFile, Series, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_optics::sphere::Polarisation;
 use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
@@ -85,6 +85,10 @@ pub(crate) struct AlbedoArguments {
           value_parser = laboratory_values::standard_error)]
     pub(crate) stderr: f64,
 
+    /// Draws it too, as SVG or PNG: R, and T where light comes through, over the wavelength
+    #[arg(long, value_name = "FILE.svg|.png", conflicts_with = "broadband")]
+    pub(crate) plot: Option<PlotFile>,
+
     #[command(flatten)]
     pub(crate) search: SearchArguments,
 }
@@ -156,6 +160,10 @@ pub(crate) struct PhaseArguments {
     #[arg(long, value_enum, default_value = "redrawn")]
     pub(crate) polarisation: PolarisationName,
 
+    /// Draws it too, as SVG or PNG: the phase function over the scattering angle
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
+
     /// What is printed
     #[arg(long, value_enum, default_value = "csv")]
     pub(crate) format: TableFormat,
@@ -196,6 +204,10 @@ pub(crate) struct ProfileArguments {
     #[arg(long, value_name = "ERROR", default_value_t = 0.005,
           value_parser = laboratory_values::standard_error)]
     pub(crate) stderr: f64,
+
+    /// Draws it too, as SVG or PNG: fluxes over the depth
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
 
     #[command(flatten)]
     pub(crate) search: SearchArguments,

@@ -5,6 +5,7 @@ mod brdf;
 mod cases;
 mod colour;
 mod phase;
+mod plot;
 mod profile;
 mod snow;
 mod spread;

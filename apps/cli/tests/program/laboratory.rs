@@ -311,6 +311,39 @@ fn colours_come_from_above_and_below_with_a_picture() {
 }
 
 #[test]
+fn plots_are_drawn_as_svg_and_png() {
+    let place = Workplace::new();
+    let snow = ["--radius", "500um,1mm", "--stderr", "0.1", "-q", "-o", "table.csv"];
+    let run = |kind: &str, more: &[&str]| {
+        let snow = if kind == "phase" { &snow[5..] } else { &snow[..] };
+        place.run(&[&["optics", kind], snow, more].concat())
+    };
+    let commands: [(&str, &[&str]); 6] = [
+        ("albedo", &["--wavelengths", "800:1200:100", "--depth", "1cm"]),
+        ("phase", &[]),
+        ("profile", &["--wavelengths", "900", "--at", "0:2cm:1cm"]),
+        ("brdf", &["--wavelengths", "1300", "--sza", "40", "--azimuth", "0:180:60"]),
+        ("brdf", &["--wavelengths", "1300", "--sza", "40", "--azimuth", "0,180"]),
+        ("spread", &["--wavelengths", "1000", "--depth", "1cm"]),
+    ];
+    for (kind, more) in commands {
+        for file in ["plot.svg", "plot.png"] {
+            let ended = run(kind, &[more, &["--plot", file]].concat());
+            assert_eq!(ended.code, Some(0), "{kind} {file}: {}", ended.stderr);
+        }
+        let svg = String::from_utf8(place.bytes("plot.svg")).unwrap();
+        assert!(svg.starts_with("<svg width=\"") && svg.trim_end().ends_with("</svg>"), "{kind}");
+        let names = ["nm", "degrees", "cm", "BRF", "mm"];
+        assert!(names.iter().any(|name| svg.contains(name)), "{kind}");
+        assert!(place.bytes("plot.png").starts_with(b"\x89PNG"), "{kind}");
+    }
+    let bad = run("albedo", &["--plot", "plot.pdf"]);
+    assert!(bad.code == Some(2) && bad.stderr.contains(".svg or .png"), "{}", bad.stderr);
+    let bands = run("albedo", &["--broadband", "--plot", "plot.svg"]);
+    assert!(bands.code == Some(2) && bands.stderr.contains("--broadband"), "{}", bands.stderr);
+}
+
+#[test]
 fn what_snow_cannot_be_is_refused() {
     let place = Workplace::new();
     for (option, value, told) in [

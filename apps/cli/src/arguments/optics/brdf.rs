@@ -1,7 +1,7 @@
 //! `snowgrain optics brdf` as typed.
 
 use super::{SearchArguments, SnowArguments};
-use crate::arguments::{Series, laboratory_values};
+use crate::arguments::{PlotFile, Series, laboratory_values};
 use clap::{ArgGroup, Args, ValueEnum};
 
 /// Into which directions flat layers of snow reflect parallel light.
@@ -55,6 +55,11 @@ pub(crate) struct BrdfArguments {
     #[arg(long, value_name = "ERROR", default_value_t = 0.01,
           value_parser = laboratory_values::standard_error)]
     pub(crate) stderr: f64,
+
+    /// Draws it too, as SVG or PNG: the hemisphere of directions, or, of less than three azimuths, lines
+    /// over the zenith angle
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
 
     #[command(flatten)]
     pub(crate) search: SearchArguments,

@@ -1,7 +1,7 @@
 //! `snowgrain optics spread` as typed.
 
 use super::{SearchArguments, SnowArguments};
-use crate::arguments::{Series, laboratory_values};
+use crate::arguments::{PlotFile, Series, laboratory_values};
 use clap::{ArgGroup, Args, ValueEnum};
 
 /// How far snow spreads light that enters it at a point, and how long that light takes.
@@ -56,6 +56,10 @@ pub(crate) struct SpreadArguments {
     #[arg(long, value_name = "ERROR", default_value_t = 0.003,
           value_parser = laboratory_values::standard_error)]
     pub(crate) stderr: f64,
+
+    /// Draws it too, as SVG or PNG: R and T per area over the radius, and per time
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
 
     #[command(flatten)]
     pub(crate) search: SearchArguments,

@@ -1,6 +1,7 @@
 //! `snowgrain optics albedo`.
 
 use super::cases::{Share, find_all};
+use super::plot::{self, Chart, Charts, Line, Scale, lines_of};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
 use crate::arguments::{AlbedoArguments, Method, PolarisationName};
@@ -59,7 +60,30 @@ pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
         table.rows.extend(parts.iter().map(|part| row(case, part)));
     }
     table.tell(&arguments.search)?;
+    if let Some(file) = &arguments.plot {
+        plot::write(file, &charts(&table))?;
+    }
     Ok(0)
+}
+
+fn charts(table: &Table) -> Charts {
+    let lines = |part: &'static str, error: &'static str| {
+        lines_of(table, snow::PLOT_KEYS, move |cell| {
+            let number = |name: &str| cell(name)?.number();
+            let point = [number("wavelength_nm")?, number(part)?, number(error)?];
+            (part == "R" || point[1] > 0.0).then(|| (part.to_owned(), point))
+        })
+    };
+    let ((mut all, alike), (through, _)) = (lines("R", "R_stderr"), lines("T", "T_stderr"));
+    all.extend(through.into_iter().map(|line| Line { dashed: true, ..line }));
+    let chart = Chart {
+        names: ["wavelength / nm", "part of the light"],
+        scales: [Scale::Linear; 2],
+        y_range: Some([0.0, 1.0]),
+        lines: all,
+    };
+    let title = "Light that snow reflects (R) and lets through (T)".into();
+    Charts { title, subtitle: alike, charts: vec![chart] }
 }
 
 fn cases(arguments: &AlbedoArguments) -> Result<Vec<Case>, Failure> {

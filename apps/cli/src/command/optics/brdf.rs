@@ -1,6 +1,7 @@
 //! `snowgrain optics brdf`.
 
 use super::cases::{Share, find_all};
+use super::plot::{self, Chart, Charts, Hemisphere, Hemispheres, Keys, Line, Scale, lines_of};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
 use crate::arguments::{BrdfArguments, BrdfMethod, Series};
@@ -25,6 +26,23 @@ const COLUMNS: [&str; 12] = [
     "density_kg_m3",
     "ground_albedo",
     "impurities",
+];
+
+/// Azimuths from which on the hemisphere is drawn.
+const FEW_AZIMUTHS: usize = 3;
+
+const TITLE: &str = "Bidirectional reflectance factor of snow";
+
+/// What tells cases apart in a plot.
+const PLOT_KEYS: Keys = &[
+    ("wavelength_nm", "", " nm"),
+    ("method", "", ""),
+    ("radius_um", "r ", " µm"),
+    ("sza_deg", "sun ", "°"),
+    ("density_kg_m3", "", " kg/m³"),
+    ("depth_m", "depth ", " m"),
+    ("ground_albedo", "ground ", ""),
+    ("impurities", "", ""),
 ];
 
 /// One search: of all wavelengths in all views.
@@ -61,7 +79,62 @@ pub(super) fn run(arguments: &BrdfArguments) -> Result<u8, Failure> {
         }
     }
     table.tell(&arguments.search)?;
+    if let Some(file) = &arguments.plot {
+        let mut azimuths = Series::all(&arguments.azimuth);
+        azimuths.sort_by(f64::total_cmp);
+        azimuths.dedup();
+        if azimuths.len() < FEW_AZIMUTHS {
+            plot::write(file, &charts(&table, &azimuths))?;
+        } else {
+            plot::write(file, &hemispheres(&table))?;
+        }
+    }
     Ok(0)
+}
+
+/// Lines over the zenith angle; in the plane of the light its own side is drawn to the left.
+fn charts(table: &Table, azimuths: &[f64]) -> Charts {
+    let in_plane = azimuths.iter().all(|azimuth| [0.0, 180.0].contains(azimuth));
+    let (mut lines, alike) = lines_of(table, PLOT_KEYS, |cell| {
+        let number = |name: &str| cell(name)?.number();
+        let (zenith, azimuth) = (number("vza_deg")?, number("azimuth_deg")?);
+        let x = if in_plane && azimuth == 180.0 { -zenith } else { zenith };
+        let word = if in_plane { String::new() } else { format!("azimuth {azimuth}°") };
+        Some((word, [x, number("BRF")?, number("BRF_stderr")?]))
+    });
+    for (index, line) in lines.iter_mut().enumerate() {
+        line.case = index;
+        line.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    }
+    let chart = Chart {
+        names: if in_plane {
+            ["zenith angle / degrees (left: from the side of the sun)", "BRF"]
+        } else {
+            ["zenith angle / degrees", "BRF"]
+        },
+        scales: [Scale::Linear; 2],
+        y_range: None,
+        lines,
+    };
+    Charts { title: TITLE.into(), subtitle: alike, charts: vec![chart] }
+}
+
+fn hemispheres(table: &Table) -> Hemispheres {
+    let (lines, alike) = lines_of(table, PLOT_KEYS, |cell| {
+        let number = |name: &str| cell(name)?.number();
+        // The third number stands where a line has its error.
+        Some((String::new(), [number("vza_deg")?, number("azimuth_deg")?, number("BRF")?]))
+    });
+    let (suns, _) = lines_of(table, PLOT_KEYS, |cell| {
+        Some((String::new(), [cell("sza_deg")?.number()?, 0.0, 0.0]))
+    });
+    let one = |(line, sun): (Line, Line)| Hemisphere {
+        label: line.label,
+        sun_degrees: sun.points[0][0],
+        values: line.points,
+    };
+    let all = lines.into_iter().zip(suns).map(one).collect();
+    Hemispheres { title: TITLE.into(), subtitle: alike, name: "BRF", all }
 }
 
 /// Every combination of the angles.

@@ -1,6 +1,7 @@
 //! `snowgrain optics profile`.
 
 use super::cases::{Share, find_all};
+use super::plot::{self, Chart, Charts, Keys, Line, Scale, lines_of};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
 use crate::arguments::{ProfileArguments, Series};
@@ -54,7 +55,37 @@ pub(super) fn run(arguments: &ProfileArguments) -> Result<u8, Failure> {
         }
     }
     table.tell(&arguments.search)?;
+    if let Some(file) = &arguments.plot {
+        plot::write(file, &charts(&table))?;
+    }
     Ok(0)
+}
+
+fn charts(table: &Table) -> Charts {
+    const KEYS: Keys = &[
+        ("wavelength_nm", "", " nm"),
+        ("radius_um", "r ", " µm"),
+        ("sza_deg", "sun ", "°"),
+        ("density_kg_m3", "", " kg/m³"),
+        ("depth_m", "depth ", " m"),
+        ("impurities", "", ""),
+    ];
+    let lines = |part: &'static str, error: &'static str| {
+        lines_of(table, KEYS, move |cell| {
+            let number = |name: &str| cell(name)?.number();
+            let point = [100.0 * number("z_m")?, number(part)?, number(error)?];
+            Some((part.to_owned(), point))
+        })
+    };
+    let ((mut all, alike), (up, _)) = (lines("down", "down_stderr"), lines("up", "up_stderr"));
+    all.extend(up.into_iter().map(|line| Line { dashed: true, ..line }));
+    let chart = Chart {
+        names: ["depth below the surface / cm", "flux / that of the light on the snow"],
+        scales: [Scale::Linear, Scale::Logarithmic],
+        y_range: None,
+        lines: all,
+    };
+    Charts { title: "Light inside snow".into(), subtitle: alike, charts: vec![chart] }
 }
 
 /// Of each wavelength the fluxes at all depths.

@@ -1,5 +1,6 @@
 //! The layers of snow that were asked for, and how they are told in tables.
 
+use super::plot::Keys;
 use super::table::{Cell, number};
 use crate::arguments::{SearchArguments, Series, SnowArguments};
 use crate::budget::Budget;
@@ -93,6 +94,17 @@ pub(super) fn grains_are_unpolarised() -> Failure {
          homogeneous",
     )
 }
+
+/// What tells cases apart in a plot.
+pub(super) const PLOT_KEYS: Keys = &[
+    ("method", "", ""),
+    ("radius_um", "r ", " µm"),
+    ("sza_deg", "sun ", "°"),
+    ("density_kg_m3", "", " kg/m³"),
+    ("depth_m", "depth ", " m"),
+    ("ground_albedo", "ground ", ""),
+    ("impurities", "", ""),
+];
 
 /// A value of the only layer; what differs between layers is not one number.
 fn of_layer(stack: &SnowStack, value: impl Fn(&SnowLayer) -> Cell) -> Cell {

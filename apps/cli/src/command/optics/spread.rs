@@ -1,6 +1,7 @@
 //! `snowgrain optics spread`.
 
 use super::cases::{Share, find_all};
+use super::plot::{self, Chart, Charts, Keys, Line, Scale, lines_of};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
 use crate::arguments::{PolarisationName, SpreadArguments, SpreadMethod};
@@ -59,7 +60,53 @@ pub(super) fn run(arguments: &SpreadArguments) -> Result<u8, Failure> {
         }
     }
     table.tell(&arguments.search)?;
+    if let Some(file) = &arguments.plot {
+        plot::write(file, &charts(&table))?;
+    }
     Ok(0)
+}
+
+fn charts(table: &Table) -> Charts {
+    const KEYS: Keys = &[
+        ("wavelength_nm", "", " nm"),
+        ("method", "", ""),
+        ("radius_um", "r ", " µm"),
+        ("sza_deg", "light ", "°"),
+        ("density_kg_m3", "", " kg/m³"),
+        ("depth_m", "depth ", " m"),
+        ("impurities", "", ""),
+    ];
+    let lines = |what: &'static str, unit: f64| {
+        lines_of(table, KEYS, move |cell| {
+            let number = |name: &str| cell(name)?.number();
+            let quantity = cell("quantity")?.text();
+            let face = quantity.strip_suffix(what)?.to_owned();
+            let (from, to) = (number("from")?, number("to")?);
+            // The middle of a bin as it is drawn; the first one and the last have none.
+            let middle = unit * (from * to).sqrt();
+            let inner = middle > 0.0 && middle.is_finite();
+            let point = [middle, number("value")?, number("value_stderr")?];
+            inner.then_some((face, point))
+        })
+    };
+    let ((places, alike), (times, _)) = (lines("_per_area", 1e3), lines("_per_time", 1.0));
+    let chart = |x: &'static str, y: &'static str, lines: Vec<Line>| {
+        let dashed = |line: Line| Line { dashed: line.label.starts_with('T'), ..line };
+        Chart {
+            names: [x, y],
+            scales: [Scale::Logarithmic; 2],
+            y_range: None,
+            lines: lines.into_iter().map(dashed).collect(),
+        }
+    };
+    Charts {
+        title: "Light that enters at a point: reflected (R) and let through (T)".into(),
+        subtitle: alike,
+        charts: vec![
+            chart("distance / mm", "light per area / m⁻²", places),
+            chart("time / ps", "light per time / ps⁻¹", times),
+        ],
+    }
 }
 
 fn cases(arguments: &SpreadArguments) -> Result<Vec<Case>, Failure> {

@@ -48,6 +48,14 @@ impl Cell {
             Self::Word(word) => word.clone(),
         }
     }
+
+    /// The number, if it is one.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Word(_) => None,
+        }
+    }
 }
 
 /// Rows under names.
