@@ -4,8 +4,8 @@
 use snowgrain_optics::IceAbsorption;
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
-    AlbedoSettings, FaceSpread, GrainLayer, Incidence, Polarisation, SnowLayer, SnowStack, Spread,
-    SpreadSettings, grain_albedo, grain_spread, homogeneous_albedo, homogeneous_spread,
+    AlbedoSettings, FaceSpread, GrainLayer, Incidence, Pack, Polarisation, SnowLayer, SnowStack,
+    Spread, SpreadSettings, grain_albedo, grain_spread, homogeneous_albedo, homogeneous_spread,
 };
 
 /// Grains of half a millimetre, in ice that is clear.
@@ -92,7 +92,7 @@ fn grains_reflect_of_a_pencil_what_they_reflect_of_a_beam() {
     for (density, zenith) in [(275.0, 0.0), (120.0, 40.0)] {
         let stack = snow(density, 0.02);
         let settings = SpreadSettings { standard_error: 0.002, ..settings(800.0, sun(zenith)) };
-        let mut grains = GrainLayer::new(&stack, 3).expect("it packs");
+        let mut grains = GrainLayer::new(&stack, Pack::Random, 3).expect("it packs");
         let exact = only(grain_spread(&stack, &mut grains, &settings, &|_| ()));
         let [albedo] = grain_albedo(&stack, &mut grains, &fluxes(&settings), &|_| ())[..] else {
             panic!("one wavelength")

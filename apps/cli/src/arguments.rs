@@ -20,8 +20,8 @@ pub(crate) use deposit::DepositArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
-    OpticsKind, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments, SnowArguments,
-    SpreadArguments, SpreadMethod, TableFormat,
+    OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,
+    SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use series::Series;

@@ -8,6 +8,7 @@ use super::{MachineArguments, PlotFile, Series, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_optics::sphere::Polarisation;
 use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
+use snowgrain_render::laboratory::Pack;
 use std::path::PathBuf;
 
 pub(crate) use brdf::{BrdfArguments, BrdfMethod};
@@ -79,6 +80,10 @@ pub(crate) struct AlbedoArguments {
     /// How it is found
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
     pub(crate) method: Vec<Method>,
+
+    /// How `grains` are packed; the depth of a lattice becomes that of whole layers
+    #[arg(long, value_enum, default_value = "random")]
+    pub(crate) pack: PackName,
 
     /// Standard error of R and T to reach by Monte Carlo
     #[arg(long, value_name = "ERROR", default_value_t = 0.0005,
@@ -295,7 +300,7 @@ pub(crate) struct SearchArguments {
 pub(crate) enum Method {
     /// Monte Carlo through grains that are met at random, by the closed form of a sphere
     Homogeneous,
-    /// Exact Monte Carlo through grains at random places: one layer of finite depth, up to 321 kg/m^3
+    /// Exact Monte Carlo through packed grains: one layer of finite depth (see --pack)
     Grains,
     /// Wiscombe and Warren 1980, delta-Eddington
     WiscombeWarren,
@@ -305,6 +310,27 @@ pub(crate) enum Method {
     KokhanovskyZege,
     /// Bohren and Barkstrom 1974: deep snow under diffuse light
     BohrenBarkstrom,
+}
+
+/// How grains are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PackName {
+    /// At random places, none touching another; up to 321 kg/m^3
+    Random,
+    /// Simple cubic lattice, up to 480 kg/m^3
+    Sc,
+    /// Face-centred cubic lattice, up to 679 kg/m^3
+    Fcc,
+}
+
+impl From<PackName> for Pack {
+    fn from(name: PackName) -> Self {
+        match name {
+            PackName::Random => Self::Random,
+            PackName::Sc => Self::SimpleCubic,
+            PackName::Fcc => Self::FaceCentredCubic,
+        }
+    }
 }
 
 /// Polarisation within a grain.

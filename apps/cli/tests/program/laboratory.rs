@@ -154,6 +154,39 @@ fn grains_are_traced_where_a_pack_of_them_can_be_made() {
     }
 }
 
+#[test]
+fn lattices_have_whole_layers_and_densities_within_their_reach() {
+    let place = Workplace::new();
+    let run = |pack: &str, density: &str, depth: &str| {
+        let grains = ["optics", "albedo", "--method", "grains", "--radius", "500um", "-q"];
+        let light = ["--wavelengths", "500", "--stderr", "0.05"];
+        let snow = ["--pack", pack, "--density", density, "--depth", depth];
+        place.run(&[&grains[..], &light, &snow].concat())
+    };
+    let ended = run("sc", "480", "4.4mm");
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = rows(&ended.stdout);
+    let depth: f64 = table[0][4].parse().unwrap();
+    assert!(table[0][0] == "grains-sc" && (depth - 0.004).abs() < 1e-5, "{table:?}");
+    assert_eq!(run("fcc", "300", "4mm").code, Some(0));
+    for (pack, density, depth, told) in [
+        ("sc", "500", "4mm", "at most 480"),
+        ("fcc", "800", "4mm", "at most 679"),
+        ("fcc", "300", "inf", "need a depth"),
+        ("sc", "300", "0.3mm", "half a layer"),
+    ] {
+        let ended = run(pack, density, depth);
+        assert_eq!(ended.code, Some(65), "{}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    }
+    let unknown = run("bcc", "300", "4mm");
+    assert!(
+        unknown.code == Some(2) && unknown.stderr.contains("random, sc, fcc"),
+        "{}",
+        unknown.stderr
+    );
+}
+
 /// What a method cannot heed is refused, not ignored.
 #[test]
 fn grains_refuse_polarised_light_and_packs_beyond_the_memory() {
@@ -267,7 +300,11 @@ fn light_that_enters_at_a_point_spreads() {
     for (more, code, told) in [
         (vec!["--ground", "0.5"], 2, "--ground"),
         (vec!["--method", "grains"], 65, "need a depth"),
-        (vec!["--method", "grains", "--polarisation", "tracked"], 2, "--polarisation"),
+        (
+            vec!["--method", "grains", "--depth", "1cm", "--polarisation", "tracked"],
+            2,
+            "--polarisation",
+        ),
     ] {
         let ended = run(&more);
         assert_eq!(ended.code, Some(code), "{more:?} {}", ended.stderr);

@@ -24,7 +24,7 @@ pub use albedo::{
 pub use brdf::{BrdfSettings, View, homogeneous_brdf, kokhanovsky_breon_brdf};
 pub use broadband::{Band, broadband, broadband_wavelengths_nm};
 pub use colour::{colour_wavelengths_nm, colours};
-pub use grains::GrainLayer;
+pub use grains::{GrainLayer, Pack};
 pub use profile::{Flux, flux_profile};
 pub use progress::Tell;
 pub use snow::{Incidence, SnowLayer, SnowStack};

@@ -1,6 +1,6 @@
 //! `snowgrain optics spread` as typed.
 
-use super::{SearchArguments, SnowArguments};
+use super::{PackName, SearchArguments, SnowArguments};
 use crate::arguments::{PlotFile, Series, laboratory_values};
 use clap::{ArgGroup, Args, ValueEnum};
 
@@ -52,6 +52,10 @@ pub(crate) struct SpreadArguments {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
     pub(crate) method: Vec<SpreadMethod>,
 
+    /// How `grains` are packed; the depth of a lattice becomes that of whole layers
+    #[arg(long, value_enum, default_value = "random")]
+    pub(crate) pack: PackName,
+
     /// Standard error to reach of R and T within every radius
     #[arg(long, value_name = "ERROR", default_value_t = 0.003,
           value_parser = laboratory_values::standard_error)]
@@ -71,6 +75,6 @@ pub(crate) enum SpreadMethod {
     /// Monte Carlo through grains that are met at random, but take room: void chords of the mean length
     /// of packed grains, and the way through each sphere
     Homogeneous,
-    /// Exact Monte Carlo through grains at random places: a finite depth, up to 321 kg/m^3
+    /// Exact Monte Carlo through packed grains: a finite depth (see --pack)
     Grains,
 }

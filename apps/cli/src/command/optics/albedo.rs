@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::threads::pool;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, Band, Incidence, SnowStack, Tell, Theory, broadband,
+    Albedo, AlbedoSettings, Band, GrainLayer, Incidence, SnowStack, Tell, Theory, broadband,
     broadband_wavelengths_nm, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
 use snowgrain_render::measure::Estimate;
@@ -57,7 +57,11 @@ pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
     progress.finish();
     let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
     for (case, parts) in cases.iter().zip(&found) {
-        table.rows.extend(parts.iter().map(|part| row(case, part)));
+        let name = match case.method {
+            Method::Grains => snow::packed_name(arguments.pack),
+            method => name(method),
+        };
+        table.rows.extend(parts.iter().map(|part| row((name, case), part)));
     }
     table.tell(&arguments.search)?;
     if let Some(file) = &arguments.plot {
@@ -92,7 +96,11 @@ fn cases(arguments: &AlbedoArguments) -> Result<Vec<Case>, Failure> {
     for stack in snow::stacks(&arguments.snow)? {
         for &incidence in &incidences {
             for &method in &arguments.method {
-                cases.push(Case { stack: stack.clone(), incidence, method });
+                let stack = match method {
+                    Method::Grains => GrainLayer::packed(&stack, arguments.pack.into())?,
+                    _ => stack.clone(),
+                };
+                cases.push(Case { stack, incidence, method });
             }
         }
     }
@@ -180,7 +188,7 @@ impl Search<'_> {
                 if arguments.search.polarisation == PolarisationName::Tracked {
                     return Err(snow::grains_are_unpolarised());
                 }
-                let mut layer = snow::grain_layer(stack, &arguments.search)?;
+                let mut layer = snow::grain_layer(stack, arguments.pack, &arguments.search)?;
                 return Ok(grain_albedo(stack, &mut layer, &settings, tell));
             }
             Method::WiscombeWarren => Theory::WiscombeWarren,
@@ -216,11 +224,11 @@ fn name(method: Method) -> &'static str {
     }
 }
 
-fn row(case: &Case, part: &Part) -> Vec<Cell> {
-    let Case { stack, incidence, method } = case;
+fn row((name, case): (&str, &Case), part: &Part) -> Vec<Cell> {
+    let Case { stack, incidence, .. } = case;
     let [reflectance, transmittance] = part.fluxes;
     vec![
-        Cell::Word(name(*method).into()),
+        Cell::Word(name.into()),
         part.of.clone(),
         snow::radius_um(stack),
         snow::zenith(*incidence),

@@ -2,7 +2,7 @@
 
 use super::plot::Keys;
 use super::table::{Cell, number};
-use crate::arguments::{SearchArguments, Series, SnowArguments};
+use crate::arguments::{PackName, SearchArguments, Series, SnowArguments};
 use crate::budget::Budget;
 use crate::failure::Failure;
 use snowgrain_accel::SimdLevel;
@@ -79,12 +79,22 @@ pub(super) fn search(arguments: &SearchArguments) -> AlbedoSettings {
 /// Snow of which no pack can be made, or for which there is no room.
 pub(super) fn grain_layer(
     stack: &SnowStack,
+    pack: PackName,
     arguments: &SearchArguments,
 ) -> Result<GrainLayer, Failure> {
     let budget = Budget::of_this_machine(arguments.machine.max_memory);
-    let needs = CostEstimate::of_grains(GrainLayer::grains(stack));
+    let needs = CostEstimate::of_grains(GrainLayer::grains(stack, pack.into()));
     budget.map_or(Ok(()), |budget| budget.check(&needs))?;
-    Ok(GrainLayer::new(stack, arguments.seed)?)
+    Ok(GrainLayer::new(stack, pack.into(), arguments.seed)?)
+}
+
+/// The method, with the lattice in which its grains are packed.
+pub(super) fn packed_name(pack: PackName) -> &'static str {
+    match pack {
+        PackName::Random => "grains",
+        PackName::Sc => "grains-sc",
+        PackName::Fcc => "grains-fcc",
+    }
 }
 
 /// What is said where grains should be traced with light whose polarisation is tracked.

@@ -9,8 +9,8 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::threads::pool;
 use snowgrain_render::laboratory::{
-    FaceSpread, Incidence, SnowStack, Spread, SpreadBin, SpreadSettings, Tell, grain_spread,
-    homogeneous_spread,
+    FaceSpread, GrainLayer, Incidence, SnowStack, Spread, SpreadBin, SpreadSettings, Tell,
+    grain_spread, homogeneous_spread,
 };
 use snowgrain_render::measure::Estimate;
 
@@ -35,6 +35,7 @@ const MOST_BINS: usize = 1200;
 const LIGHT_METRES_PER_PICOSECOND: f64 = 2.997_924_58e-4;
 
 struct Case {
+    name: &'static str,
     stack: SnowStack,
     incidence: Incidence,
     method: SpreadMethod,
@@ -119,7 +120,15 @@ fn cases(arguments: &SpreadArguments) -> Result<Vec<Case>, Failure> {
     for stack in snow::stacks(&arguments.snow)? {
         for &incidence in &incidences {
             for &method in &arguments.method {
-                cases.push(Case { stack: stack.clone(), incidence, method });
+                let stack = match method {
+                    SpreadMethod::Grains => GrainLayer::packed(&stack, arguments.pack.into())?,
+                    SpreadMethod::Homogeneous => stack.clone(),
+                };
+                let name = match method {
+                    SpreadMethod::Grains => snow::packed_name(arguments.pack),
+                    SpreadMethod::Homogeneous => "homogeneous",
+                };
+                cases.push(Case { name, stack, incidence, method });
             }
         }
     }
@@ -143,7 +152,7 @@ fn find(arguments: &SpreadArguments, case: &Case, tell: Tell<'_>) -> Result<Vec<
             if arguments.search.polarisation == PolarisationName::Tracked {
                 return Err(snow::grains_are_unpolarised());
             }
-            let mut grains = snow::grain_layer(&case.stack, &arguments.search)?;
+            let mut grains = snow::grain_layer(&case.stack, arguments.pack, &arguments.search)?;
             grain_spread(&case.stack, &mut grains, &settings, tell)
         }
     };
@@ -152,13 +161,6 @@ fn find(arguments: &SpreadArguments, case: &Case, tell: Tell<'_>) -> Result<Vec<
             "spreads are of one layer over a black ground; leave --ground out and ask for one layer",
         )
     })
-}
-
-fn name(method: SpreadMethod) -> &'static str {
-    match method {
-        SpreadMethod::Homogeneous => "homogeneous",
-        SpreadMethod::Grains => "grains",
-    }
 }
 
 /// A figure: what it is called, between which bounds it holds, and what it is.
@@ -176,7 +178,7 @@ fn rows(case: &Case, spread: &Spread) -> Vec<Vec<Cell>> {
     }
     let row = |(quantity, [from, to], value): Figure| {
         vec![
-            Cell::Word(name(case.method).into()),
+            Cell::Word(case.name.into()),
             Cell::Number(spread.wavelength_nm),
             snow::radius_um(&case.stack),
             snow::zenith(case.incidence),
