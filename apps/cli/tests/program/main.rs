@@ -4,6 +4,7 @@
 
 mod errors;
 mod laboratory;
+mod light_in_snow;
 mod measures;
 mod pictures;
 #[cfg(unix)]
