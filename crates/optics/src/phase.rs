@@ -16,6 +16,7 @@ const LEAST_LIGHT: f64 = 1e-7;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseTable {
     absorptions: usize,
+    bins: usize,
     /// Of each bin of the cosine, from -1 up, the values for all absorptions.
     values: Vec<f32>,
     /// Bins for each unit of the cosine.
@@ -32,7 +33,8 @@ impl PhaseTable {
         absorptions: &[f64],
         bins: usize,
     ) -> Self {
-        let mut sums = vec![0.0; bins.max(1) * absorptions.len()];
+        let bins = bins.max(1);
+        let mut sums = vec![0.0; bins * absorptions.len()];
         let edge = |part: u32| Impact::at_disc_fraction(medium, f64::from(part) / f64::from(PARTS));
         let mut from = edge(0);
         for part in 0..PARTS {
@@ -45,11 +47,11 @@ impl PhaseTable {
             from = to;
         }
         // Parts of the energy, of which a bin has 1/bins of all directions.
-        let bins = bins.max(1) as f64;
         Self {
             absorptions: absorptions.len(),
-            values: sums.iter().map(|sum| (sum * bins) as f32).collect(),
-            scale: (0.5 * bins) as f32,
+            bins,
+            values: sums.iter().map(|sum| (sum * bins as f64) as f32).collect(),
+            scale: (0.5 * bins as f64) as f32,
         }
     }
 
@@ -57,9 +59,8 @@ impl PhaseTable {
     #[inline]
     #[must_use]
     pub fn at(&self, cosine: f32) -> &[f32] {
-        let bins = self.values.len() / self.absorptions.max(1);
         // The conversion takes what lies below the first bin to it.
-        let bin = (((cosine + 1.0) * self.scale) as usize).min(bins - 1);
+        let bin = (((cosine + 1.0) * self.scale) as usize).min(self.bins - 1);
         &self.values[bin * self.absorptions..(bin + 1) * self.absorptions]
     }
 }

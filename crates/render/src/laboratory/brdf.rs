@@ -85,7 +85,7 @@ impl BrdfSettings {
 ///
 /// The first scattering is exact. At every later one the light that leaves from there in each view is
 /// counted by the phase function of the grain (local estimate; Marchuk et al. 1980, "The Monte Carlo
-/// Methods in Atmospheric Optics", chapter 2): the mean is that of the equation of radiative transfer,
+/// Methods in Atmospheric Optics"): the mean is that of the equation of radiative transfer,
 /// but for the interpolation between refractive indices and the width of the bins of the phase function.
 /// A diffuse ground adds what reaches it and comes back, by the reciprocity of the layers.
 /// The result depends on the settings only.

@@ -100,11 +100,32 @@ fn cases(arguments: &AlbedoArguments) -> Result<Vec<Case>, Failure> {
                     Method::Grains => GrainLayer::packed(&stack, arguments.pack.into())?,
                     _ => stack.clone(),
                 };
-                cases.push(Case { stack, incidence, method });
+                let case = Case { stack, incidence, method };
+                check(arguments, &case)?;
+                cases.push(case);
             }
         }
     }
     Ok(cases)
+}
+
+/// Refuses what a method does not cover, before others take their time.
+fn check(arguments: &AlbedoArguments, case: &Case) -> Result<(), Failure> {
+    /// Any wavelength will do.
+    const SOME_NM: [f64; 1] = [550.0];
+    let tracked = arguments.search.polarisation == PolarisationName::Tracked;
+    match case.method {
+        Method::Homogeneous => Ok(()),
+        Method::Grains if tracked => Err(snow::grains_are_unpolarised()),
+        Method::Grains => Ok(()),
+        Method::WiscombeWarren
+        | Method::TwoStream
+        | Method::KokhanovskyZege
+        | Method::BohrenBarkstrom => {
+            let search = Search { arguments, stack: &case.stack, method: case.method };
+            search.find(case.incidence, &SOME_NM, &|_| ()).map(drop)
+        }
+    }
 }
 
 /// The lines of a case.
@@ -184,9 +205,6 @@ impl Search<'_> {
                 };
                 if method == Method::Homogeneous {
                     return Ok(homogeneous_albedo(stack, &settings, tell));
-                }
-                if arguments.search.polarisation == PolarisationName::Tracked {
-                    return Err(snow::grains_are_unpolarised());
                 }
                 let mut layer = snow::grain_layer(stack, arguments.pack, &arguments.search)?;
                 return Ok(grain_albedo(stack, &mut layer, &settings, tell));

@@ -60,7 +60,12 @@ pub(super) fn run(arguments: &BrdfArguments) -> Result<u8, Failure> {
     for stack in snow::stacks(&arguments.snow)? {
         for sun_zenith_degrees in Series::all(&arguments.sza) {
             for &method in &arguments.method {
-                cases.push(Case { stack: stack.clone(), sun_zenith_degrees, method });
+                let case = Case { stack: stack.clone(), sun_zenith_degrees, method };
+                if method == BrdfMethod::KokhanovskyBreon {
+                    // Refuses what it does not cover, before others take their time.
+                    factors(&case, &settings(arguments, &case, &[]), &|_| ())?;
+                }
+                cases.push(case);
             }
         }
     }

@@ -43,6 +43,9 @@ pub(super) fn run(arguments: &ProfileArguments) -> Result<u8, Failure> {
         .flat_map(|stack| incidences.iter().map(move |&incidence| (stack.clone(), incidence)))
         .collect();
     check_rows(&[cases.len(), arguments.wavelengths.0.len(), depths.len()])?;
+    for (stack, _) in &cases {
+        check(stack, &depths)?;
+    }
     let find =
         |case: &(SnowStack, Incidence), tell: Tell<'_>| fluxes(arguments, &depths, case, tell);
     let found = find_all((&progress, &pool, "profile"), &cases, |_| Share::Together, find)?;
@@ -88,6 +91,23 @@ fn charts(table: &Table) -> Charts {
     Charts { title: "Light inside snow".into(), subtitle: alike, charts: vec![chart] }
 }
 
+/// Refuses what is not covered, before others take their time.
+fn check(stack: &SnowStack, depths: &[f64]) -> Result<(), Failure> {
+    if stack.layers.len() != 1 || stack.ground_albedo > 0.0 {
+        return Err(not_one_layer());
+    }
+    let within = stack.layers.first().map_or(0.0, |layer| layer.depth);
+    if let Some(depth) = depths.iter().find(|&&depth| depth > within) {
+        let reason = format!("--at: {depth} m lies below the snow, which is {within} m deep");
+        return Err(Failure::usage(reason));
+    }
+    Ok(())
+}
+
+fn not_one_layer() -> Failure {
+    Failure::usage("profiles are of one layer over a black ground; leave --ground out")
+}
+
 /// Of each wavelength the fluxes at all depths.
 fn fluxes(
     arguments: &ProfileArguments,
@@ -95,11 +115,6 @@ fn fluxes(
     (stack, incidence): &(SnowStack, Incidence),
     tell: Tell<'_>,
 ) -> Result<Vec<Vec<Flux>>, Failure> {
-    let within = stack.layers.first().map_or(0.0, |layer| layer.depth);
-    if let Some(depth) = depths.iter().find(|&&depth| depth > within) {
-        let reason = format!("--at: {depth} m lies below the snow, which is {within} m deep");
-        return Err(Failure::usage(reason));
-    }
     let settings = AlbedoSettings {
         wavelengths_nm: arguments.wavelengths.0.clone(),
         incidence: *incidence,
@@ -107,9 +122,7 @@ fn fluxes(
         relative_error_of_transmittance: RELATIVE_ERROR,
         ..snow::search(&arguments.search)
     };
-    flux_profile(stack, depths, &settings, tell).ok_or_else(|| {
-        Failure::usage("profiles are of one layer over a black ground; leave --ground out")
-    })
+    flux_profile(stack, depths, &settings, tell).ok_or_else(not_one_layer)
 }
 
 /// A line for each depth, without its wavelength.

@@ -120,6 +120,7 @@ fn cases(arguments: &SpreadArguments) -> Result<Vec<Case>, Failure> {
     for stack in snow::stacks(&arguments.snow)? {
         for &incidence in &incidences {
             for &method in &arguments.method {
+                check(arguments, &stack, method)?;
                 let stack = match method {
                     SpreadMethod::Grains => GrainLayer::packed(&stack, arguments.pack.into())?,
                     SpreadMethod::Homogeneous => stack.clone(),
@@ -133,6 +134,28 @@ fn cases(arguments: &SpreadArguments) -> Result<Vec<Case>, Failure> {
         }
     }
     Ok(cases)
+}
+
+/// Refuses what is not covered, before others take their time.
+fn check(
+    arguments: &SpreadArguments,
+    stack: &SnowStack,
+    method: SpreadMethod,
+) -> Result<(), Failure> {
+    let tracked = arguments.search.polarisation == PolarisationName::Tracked;
+    if method == SpreadMethod::Grains && tracked {
+        return Err(snow::grains_are_unpolarised());
+    }
+    if stack.layers.len() != 1 || stack.ground_albedo > 0.0 {
+        return Err(not_one_layer());
+    }
+    Ok(())
+}
+
+fn not_one_layer() -> Failure {
+    Failure::usage(
+        "spreads are of one layer over a black ground; leave --ground out and ask for one layer",
+    )
 }
 
 fn find(arguments: &SpreadArguments, case: &Case, tell: Tell<'_>) -> Result<Vec<Spread>, Failure> {
@@ -149,18 +172,11 @@ fn find(arguments: &SpreadArguments, case: &Case, tell: Tell<'_>) -> Result<Vec<
     let found = match case.method {
         SpreadMethod::Homogeneous => homogeneous_spread(&case.stack, &settings, tell),
         SpreadMethod::Grains => {
-            if arguments.search.polarisation == PolarisationName::Tracked {
-                return Err(snow::grains_are_unpolarised());
-            }
             let mut grains = snow::grain_layer(&case.stack, arguments.pack, &arguments.search)?;
             grain_spread(&case.stack, &mut grains, &settings, tell)
         }
     };
-    found.ok_or_else(|| {
-        Failure::usage(
-            "spreads are of one layer over a black ground; leave --ground out and ask for one layer",
-        )
-    })
+    found.ok_or_else(not_one_layer)
 }
 
 /// A figure: what it is called, between which bounds it holds, and what it is.
