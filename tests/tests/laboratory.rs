@@ -10,8 +10,8 @@ use snowgrain_optics::colour::chromaticity;
 use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, ImpurityKind, Load};
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, GrainLayer, Incidence, Polarisation, SnowLayer, SnowStack, Theory,
-    colour_wavelengths_nm, colours, flux_profile, grain_albedo, homogeneous_albedo,
+    Albedo, AlbedoSettings, GrainLayer, Incidence, Pack, Polarisation, SnowLayer, SnowStack,
+    Theory, colour_wavelengths_nm, colours, flux_profile, grain_albedo, homogeneous_albedo,
     theoretical_albedo,
 };
 
@@ -66,7 +66,7 @@ fn settings(wavelengths_nm: Vec<f64>, incidence: Incidence) -> AlbedoSettings {
 }
 
 fn find(stack: &SnowStack, settings: &AlbedoSettings) -> Vec<Albedo> {
-    homogeneous_albedo(stack, settings, &mut |_, _| ())
+    homogeneous_albedo(stack, settings, &|_| ())
 }
 
 /// Compares a column of `albedo_semi_infinite.csv` for some radii and angles.
@@ -221,8 +221,8 @@ fn grains_at_random_places_transmit_what_an_independent_program_found() {
         let mut stack = layer(radius_um, depth);
         stack.layers[0].density = 917.0 * solid_fraction;
         let settings = settings(vec![560.0], Incidence::Diffuse);
-        let mut grains = GrainLayer::new(&stack, 5).expect("it packs");
-        let [exact] = grain_albedo(&stack, &mut grains, &settings, &mut |_, _| ())[..] else {
+        let mut grains = GrainLayer::new(&stack, Pack::Random, 5).expect("it packs");
+        let [exact] = grain_albedo(&stack, &mut grains, &settings, &|_| ())[..] else {
             panic!("one wavelength has one albedo");
         };
         let allowed = 0.004f64.max(4.0 * exact.transmittance.standard_error);
@@ -232,6 +232,48 @@ fn grains_at_random_places_transmit_what_an_independent_program_found() {
         let homogeneous = find(&stack, &settings)[0].transmittance;
         assert!(homogeneous.mean + 3.0 * homogeneous.standard_error < exact.transmittance.mean);
     }
+}
+
+/// Slabs of touching grains in lattices against `packing_slab.csv`, where ice is clear and its index near
+/// 1.31: within .004 or four standard errors of both.
+#[test]
+fn lattices_reflect_and_transmit_what_an_independent_program_found() {
+    let table = include_str!("../data/packing_slab.csv");
+    let names = ["packing", "tau", "mu0", "reflectance", "transmittance", "standard_error"];
+    let (mut compared, mut worst) = (0, 0.0f64);
+    for row in rows(table, &names) {
+        let (pack, most) = match row[0] {
+            "sc" => (Pack::SimpleCubic, 917.0 * core::f64::consts::PI / 6.0),
+            "fcc" => (Pack::FaceCentredCubic, 917.0 * core::f64::consts::PI * 2f64.sqrt() / 6.0),
+            _ => continue,
+        };
+        // Other parallel light depends on where it comes from about the vertical.
+        let incidence = match row[2] {
+            "-1" => Incidence::Diffuse,
+            "1" => Incidence::Sun { zenith_degrees: 0.0 },
+            _ => continue,
+        };
+        let (tau, radius_um) = (number(row[1]), 50.0);
+        let mut stack = layer(radius_um, tau * 4.0 * radius_um * 1e-6 * 917.0 / (3.0 * most));
+        stack.layers[0].density = most;
+        let stack = GrainLayer::packed(&stack, pack).expect("it packs");
+        assert!((stack.layers[0].optical_depth() / tau - 1.0).abs() < 1e-3, "{row:?}");
+        let mut grains = GrainLayer::new(&stack, pack, 0).expect("it packs");
+        let settings = settings(vec![560.0], incidence);
+        let [found] = grain_albedo(&stack, &mut grains, &settings, &|_| ())[..] else {
+            panic!("one wavelength has one albedo");
+        };
+        let fluxes = [(found.reflectance, row[3]), (found.transmittance, row[4])];
+        for (found, expected) in fluxes {
+            let off = (found.mean - number(expected)).abs();
+            worst = worst.max(off);
+            compared += 1;
+            let errors = 4.0 * (found.standard_error + number(row[5]));
+            assert!(off <= 0.004f64.max(errors), "{row:?}: {found:?}");
+        }
+    }
+    assert_eq!(compared, 32);
+    println!("{compared} fluxes of lattices, at most {worst:.5} off");
 }
 
 /// `efolding_depth.csv`, column efold_mm_p2016 (r = 500 um): within 3 %, from the first depth where light
@@ -247,7 +289,7 @@ fn light_in_snow_falls_off_as_fast_as_discrete_ordinates_say() {
         most_paths: 1_000_000,
         ..settings(cases.iter().map(|case| case.0).collect(), Incidence::Diffuse)
     };
-    let profiles = flux_profile(&stack, &depths, &settings, &mut |_, _| ()).expect("one layer");
+    let profiles = flux_profile(&stack, &depths, &settings, &|_| ()).expect("one layer");
     let albedos = find(&stack, &AlbedoSettings { standard_error: 0.002, ..settings });
     for (((wavelength, expected), fluxes), albedo) in cases.iter().zip(&profiles).zip(&albedos) {
         let fold = 60.0 / trig::ln(fluxes[1].down.mean / fluxes[2].down.mean);
@@ -262,7 +304,7 @@ fn light_in_snow_falls_off_as_fast_as_discrete_ordinates_say() {
         wavelengths_nm: vec![600.0],
         ..self::settings(vec![], Incidence::Diffuse)
     };
-    assert!(flux_profile(&ground, &depths, &none, &mut |_, _| ()).is_none());
+    assert!(flux_profile(&ground, &depths, &none, &|_| ()).is_none());
 }
 
 /// Layers of the same snow are one layer; a clean layer over a sooty one lies between both; a ground

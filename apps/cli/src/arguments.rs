@@ -7,6 +7,7 @@ mod laboratory_values;
 mod measure;
 mod optics;
 mod render;
+mod series;
 mod values;
 mod wet;
 
@@ -21,11 +22,13 @@ pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
-    AlbedoArguments, ColourArguments, Method, OpticsArguments, OpticsKind, PhaseArguments,
-    PolarisationName, ProfileArguments, SearchArguments, SnowArguments, TableFormat,
+    AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
+    OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,
+    SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
 };
 pub(crate) use render::RenderArguments;
-pub(crate) use values::{PictureFile, PictureFormat, Size};
+pub(crate) use series::Series;
+pub(crate) use values::{PictureFile, PictureFormat, PlotFile, PlotFormat, Size};
 pub(crate) use wet::WetArguments;
 
 /// Snowgrain renders snow that is made of real, discrete grains of ice.

@@ -17,6 +17,25 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Percent of the samples between two lines where there is no terminal.
 const LINE_PERCENT: f64 = 10.0;
 
+/// Parts into which the way of a case is divided.
+const WHOLE: u64 = 1_000_000;
+
+/// How far each of several cases is.
+#[derive(Debug)]
+pub(crate) struct Cases(Vec<AtomicU64>);
+
+impl Cases {
+    /// The part of the case that is done, 0 to 1; what was done stays done.
+    pub(crate) fn tell(&self, case: usize, done: f64) {
+        self.0[case].fetch_max((done * WHOLE as f64) as u64, Ordering::Relaxed);
+    }
+
+    fn percent(&self) -> f64 {
+        let done: u64 = self.0.iter().map(|case| case.load(Ordering::Relaxed)).sum();
+        100.0 * done as f64 / (WHOLE as f64 * self.0.len().max(1) as f64)
+    }
+}
+
 /// Tells the user what is being done.
 #[derive(Debug)]
 pub(crate) struct Progress {
@@ -128,6 +147,43 @@ impl Progress {
         }
     }
 
+    /// Does `work` on so many cases and shows how far all of them are together.
+    pub(crate) fn cases<T>(&self, name: &str, count: usize, work: impl FnOnce(&Cases) -> T) -> T {
+        let cases = Cases((0..count).map(|_| AtomicU64::new(0)).collect());
+        let many = if count == 1 { "1 case".into() } else { format!("{count} cases") };
+        match &self.shown {
+            Shown::Nothing => work(&cases),
+            Shown::Lines => {
+                tell(&format!("snowgrain: {name}, {many}"));
+                let mut next = LINE_PERCENT;
+                watching(
+                    || work(&cases),
+                    || {
+                        let percent = cases.percent();
+                        if percent >= next {
+                            tell(&format!("snowgrain: {percent:.0} %"));
+                            next = percent + LINE_PERCENT;
+                        }
+                    },
+                )
+            }
+            Shown::Bar(bar) => {
+                let template = "{msg} [{bar:30}] {percent:>3} %  {elapsed}, {eta} to go";
+                bar.disable_steady_tick();
+                if let Ok(style) = ProgressStyle::with_template(template) {
+                    bar.set_style(style.progress_chars("=> "));
+                }
+                bar.set_message(format!("{name}, {many}"));
+                bar.set_length(WHOLE);
+                bar.reset();
+                watching(
+                    || work(&cases),
+                    || bar.set_position((cases.percent() / 100.0 * WHOLE as f64) as u64),
+                )
+            }
+        }
+    }
+
     /// Takes the bar away.
     pub(crate) fn finish(&self) {
         if let Shown::Bar(bar) = &self.shown {
@@ -149,4 +205,19 @@ fn watching<T>(work: impl FnOnce() -> T, mut look: impl FnMut() + Send) -> T {
         drop(working);
         result
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cases_count_alike_and_never_go_back() {
+        let cases = Cases((0..4).map(|_| AtomicU64::new(0)).collect());
+        cases.tell(1, 0.5);
+        cases.tell(1, 0.25);
+        cases.tell(3, 1.0);
+        assert_eq!(cases.percent(), 37.5);
+        assert_eq!(Cases(Vec::new()).percent(), 0.0);
+    }
 }

@@ -27,6 +27,7 @@ pub mod deposit;
 mod error;
 pub mod field;
 pub mod lattice;
+pub mod layers;
 pub mod measures;
 pub mod random;
 pub mod settings;
@@ -35,6 +36,7 @@ pub use deposit::{DepositReport, Snowfall, reached_solid_fraction};
 pub use error::GrainsError;
 pub use field::GrainField;
 pub use lattice::{LatticeCell, lattice_grains};
+pub use layers::{LayerSettings, Layers, Stacking};
 pub use measures::{Extent, PackReport, Slab};
 pub use random::{RandomSettings, random_pack};
 pub use settings::{

@@ -21,6 +21,7 @@ pub mod ice;
 pub mod ice_colour;
 pub mod ice_path;
 pub mod impurity;
+pub mod phase;
 mod quadrature;
 pub mod spectrum;
 pub mod sphere;

@@ -58,6 +58,25 @@ pub fn kokhanovsky_zege(grain: SingleScattering, depth: f64, incidence: Incidenc
     Fluxes { reflectance: deep - transmittance * trig::exp(-x - y), transmittance }
 }
 
+/// The bidirectional reflectance factor (pi times the BRDF) of deep natural snow: Kokhanovsky and Breon
+/// 2012, "Validation of an analytical snow BRDF model using PARASOL multi-angular and multispectral
+/// observations", IEEE Geosci. Remote Sens. Lett. 9, 928. The fit R0 to snow that absorbs nothing,
+/// darkened by the asymptotic theory: R0 exp(-y u(mu0) u(mu) / R0).
+///
+/// `cosines` with the vertical of the light that arrives and of that which is seen, in (0, 1], and
+/// `cosine` of the scattering angle, in [-1, 1]. The fit is of grains of natural shapes: whatever the
+/// grain, it has no rainbow.
+#[must_use]
+pub fn kokhanovsky_breon(grain: SingleScattering, cosines: [f64; 2], cosine: f64) -> f64 {
+    let [from, to] = cosines;
+    let degrees = trig::acos(cosine.clamp(-1.0, 1.0)).to_degrees();
+    let once = 11.1 * trig::exp(-0.087 * degrees) + 1.1 * trig::exp(-0.014 * degrees);
+    let clear = (1.247 + 1.186 * (from + to) + 5.157 * from * to + once) / (4.0 * (from + to));
+    let y = 4.0 * (grain.co_albedo.max(0.0) / (3.0 * (1.0 - grain.asymmetry))).sqrt();
+    let escape = |cosine: f64| 3.0 / 7.0 * (1.0 + 2.0 * cosine);
+    clear * trig::exp(-y * escape(from) * escape(to) / clear)
+}
+
 /// sinh(a) / sinh(b) for 0 <= a <= b, b > 0, however large.
 fn sinh_ratio(a: f64, b: f64) -> f64 {
     trig::exp(a - b) * (1.0 - trig::exp(-2.0 * a)) / (1.0 - trig::exp(-2.0 * b))

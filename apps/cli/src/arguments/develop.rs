@@ -1,7 +1,6 @@
 //! `snowgrain develop` as typed.
 
-use super::laboratory_values::{self, VisibleWavelengths};
-use super::{PictureFile, values};
+use super::{PictureFile, Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::path::PathBuf;
@@ -46,8 +45,9 @@ pub(crate) struct DevelopArguments {
 
     /// Adds spectral layers to .exr files, in the layout of Fichet et al. 2021: radiance at
     /// wavelengths in nm, 380 to 780, as 450,550,650 or 400:700:20
-    #[arg(long, value_name = "LIST")]
-    pub(crate) wavelengths: Option<VisibleWavelengths>,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP",
+          value_parser = laboratory_values::visible_wavelengths)]
+    pub(crate) wavelengths: Option<Series>,
 
     /// Brightness of PNG files in stops: +1 doubles it
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,

@@ -1,11 +1,18 @@
 //! `snowgrain optics` as typed.
 
-use super::laboratory_values::{Depth, DepthBelow, ImpurityLoads, Wavelengths};
-use super::{MachineArguments, laboratory_values, values};
+mod brdf;
+mod spread;
+
+use super::laboratory_values::ImpurityLoads;
+use super::{MachineArguments, PlotFile, Series, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_optics::sphere::Polarisation;
 use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
+use snowgrain_render::laboratory::Pack;
 use std::path::PathBuf;
+
+pub(crate) use brdf::{BrdfArguments, BrdfMethod};
+pub(crate) use spread::{SpreadArguments, SpreadMethod};
 
 /// The snow laboratory: what flat layers of snow do to light at each wavelength.
 #[derive(Debug, Args)]
@@ -19,9 +26,11 @@ pub(crate) struct OpticsArguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
+    Brdf(Box<BrdfArguments>),
     Colour(Box<ColourArguments>),
     Phase(PhaseArguments),
     Profile(Box<ProfileArguments>),
+    Spread(Box<SpreadArguments>),
     Wet(Box<super::WetArguments>),
 }
 
@@ -52,8 +61,9 @@ pub(crate) struct AlbedoArguments {
     pub(crate) snow: SnowArguments,
 
     /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
-    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10")]
-    pub(crate) wavelengths: Wavelengths,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "350:1290:10",
+          value_parser = laboratory_values::wavelengths)]
+    pub(crate) wavelengths: Series,
 
     /// Bands instead of wavelengths: solar (300 to 2500 nm), visible (to 700) and near-infrared,
     /// under sun and sky of a clear day, or, for diffuse light, an overcast one
@@ -65,18 +75,25 @@ pub(crate) struct AlbedoArguments {
     pub(crate) diffuse: bool,
 
     /// Parallel light at these zenith angles, degrees
-    #[arg(long, value_name = "DEGREES,...", value_delimiter = ',',
-          value_parser = laboratory_values::zenith)]
-    pub(crate) sza: Vec<f64>,
+    #[arg(long, value_name = "DEGREES,...", value_parser = laboratory_values::zeniths)]
+    pub(crate) sza: Vec<Series>,
 
     /// How it is found
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_value = "homogeneous")]
     pub(crate) method: Vec<Method>,
 
+    /// How `grains` are packed; the depth of a lattice becomes that of whole layers
+    #[arg(long, value_enum, default_value = "random")]
+    pub(crate) pack: PackName,
+
     /// Standard error of R and T to reach by Monte Carlo
     #[arg(long, value_name = "ERROR", default_value_t = 0.0005,
           value_parser = laboratory_values::standard_error)]
     pub(crate) stderr: f64,
+
+    /// Draws it too, as SVG or PNG: R, and T where light comes through, over the wavelength
+    #[arg(long, value_name = "FILE.svg|.png", conflicts_with = "broadband")]
+    pub(crate) plot: Option<PlotFile>,
 
     #[command(flatten)]
     pub(crate) search: SearchArguments,
@@ -149,6 +166,10 @@ pub(crate) struct PhaseArguments {
     #[arg(long, value_enum, default_value = "redrawn")]
     pub(crate) polarisation: PolarisationName,
 
+    /// Draws it too, as SVG or PNG: the phase function over the scattering angle
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
+
     /// What is printed
     #[arg(long, value_enum, default_value = "csv")]
     pub(crate) format: TableFormat,
@@ -171,57 +192,66 @@ pub(crate) struct ProfileArguments {
     #[command(flatten)]
     pub(crate) snow: SnowArguments,
 
-    /// Depths below the surface, from the top down, as 0,1cm,5cm
-    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',', required = true)]
-    pub(crate) at: Vec<DepthBelow>,
+    /// Depths below the surface, from the top down, as 0,1cm,5cm or 0:10cm:1cm
+    #[arg(long, value_name = "LENGTH,...", required = true,
+          value_parser = laboratory_values::depths_below)]
+    pub(crate) at: Vec<Series>,
 
     /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
-    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "400:900:100")]
-    pub(crate) wavelengths: Wavelengths,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "400:900:100",
+          value_parser = laboratory_values::wavelengths)]
+    pub(crate) wavelengths: Series,
 
-    /// Parallel light at this zenith angle, degrees [default: light from all of the sky alike]
-    #[arg(long, value_name = "DEGREES", value_parser = laboratory_values::zenith)]
-    pub(crate) sza: Option<f64>,
+    /// Parallel light at these zenith angles, degrees [default: light from all of the sky alike]
+    #[arg(long, value_name = "DEGREES,...", value_parser = laboratory_values::zeniths)]
+    pub(crate) sza: Vec<Series>,
 
     /// Standard error of each downward flux to reach; 1 % of it as well
     #[arg(long, value_name = "ERROR", default_value_t = 0.005,
           value_parser = laboratory_values::standard_error)]
     pub(crate) stderr: f64,
 
+    /// Draws it too, as SVG or PNG: fluxes over the depth
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
+
     #[command(flatten)]
     pub(crate) search: SearchArguments,
 }
 
 /// Layers of snow.
+///
+/// Numbers that may be several are written as a,b,c or as a range FROM:TO:STEP, lengths with their units.
 #[derive(Debug, Args)]
 pub(crate) struct SnowArguments {
-    /// Radius of the grains, as 150um; several, separated by commas, make as many cases
-    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',',
-          value_parser = laboratory_values::radius)]
-    pub(crate) radius: Vec<f64>,
+    /// Radius of the grains, as 150um; several, as 100um,1mm or 100um:1mm:100um, make as many cases, as
+    /// for every option that takes several
+    #[arg(long, value_name = "LENGTH,...", value_parser = laboratory_values::radii)]
+    pub(crate) radius: Vec<Series>,
 
     /// Specific surface area of the grains instead, m^2/kg: 3 / (917 r)
-    #[arg(long, value_name = "M2/KG,...", value_delimiter = ',',
-          value_parser = laboratory_values::specific_surface_area)]
-    pub(crate) ssa: Vec<f64>,
+    #[arg(long, value_name = "M2/KG,...",
+          value_parser = laboratory_values::specific_surface_areas)]
+    pub(crate) ssa: Vec<Series>,
 
     /// Layers from a file instead (see below)
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["density", "depth", "impurity"])]
     pub(crate) layers: Option<PathBuf>,
 
     /// Density, kg/m^3
-    #[arg(long, value_name = "KG/M3,...", value_delimiter = ',', default_value = "300",
-          value_parser = laboratory_values::density)]
-    pub(crate) density: Vec<f64>,
+    #[arg(long, value_name = "KG/M3,...", default_value = "300",
+          value_parser = laboratory_values::densities)]
+    pub(crate) density: Vec<Series>,
 
     /// Depth, as 3cm; inf: deep enough that no light comes back from below
-    #[arg(long, value_name = "LENGTH|inf,...", value_delimiter = ',', default_value = "inf")]
-    pub(crate) depth: Vec<Depth>,
+    #[arg(long, value_name = "LENGTH|inf,...", default_value = "inf",
+          value_parser = laboratory_values::depths)]
+    pub(crate) depth: Vec<Series>,
 
     /// Albedo of the ground below, which is diffuse
-    #[arg(long, value_name = "0..1", default_value_t = 0.0,
-          value_parser = laboratory_values::albedo)]
-    pub(crate) ground: f64,
+    #[arg(long, value_name = "0..1,...", default_value = "0",
+          value_parser = laboratory_values::albedos)]
+    pub(crate) ground: Vec<Series>,
 
     /// Impurity between the grains and how much of it, as black-carbon=100ppb, snow-algae=20000cells/mL
     /// or dust-sahara=5e-6vol (volume per volume of ice); several loads make as many cases; repeatable
@@ -271,7 +301,7 @@ pub(crate) struct SearchArguments {
 pub(crate) enum Method {
     /// Monte Carlo through grains that are met at random, by the closed form of a sphere
     Homogeneous,
-    /// Exact Monte Carlo through grains at random places: one layer of finite depth, up to 321 kg/m^3
+    /// Exact Monte Carlo through packed grains: one layer of finite depth (see --pack)
     Grains,
     /// Wiscombe and Warren 1980, delta-Eddington
     WiscombeWarren,
@@ -281,6 +311,27 @@ pub(crate) enum Method {
     KokhanovskyZege,
     /// Bohren and Barkstrom 1974: deep snow under diffuse light
     BohrenBarkstrom,
+}
+
+/// How grains are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PackName {
+    /// At random places, none touching another; up to 321 kg/m^3
+    Random,
+    /// Simple cubic lattice, up to 480 kg/m^3
+    Sc,
+    /// Face-centred cubic lattice, up to 679 kg/m^3
+    Fcc,
+}
+
+impl From<PackName> for Pack {
+    fn from(name: PackName) -> Self {
+        match name {
+            PackName::Random => Self::Random,
+            PackName::Sc => Self::SimpleCubic,
+            PackName::Fcc => Self::FaceCentredCubic,
+        }
+    }
 }
 
 /// Polarisation within a grain.

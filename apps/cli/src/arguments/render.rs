@@ -1,8 +1,7 @@
 //! `snowgrain render` as typed.
 
-use super::laboratory_values::VisibleWavelengths;
-use super::values;
 use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size};
+use super::{Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_film::PixelRect;
 use std::time::Duration;
@@ -65,8 +64,9 @@ pub(crate) struct RenderArguments {
 
     /// Adds spectral layers to .exr files, in the layout of Fichet et al. 2021: radiance at
     /// wavelengths in nm, 380 to 780, as 450,550,650 or 400:700:20; keeps ice paths
-    #[arg(long, value_name = "LIST")]
-    pub(crate) wavelengths: Option<VisibleWavelengths>,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP",
+          value_parser = laboratory_values::visible_wavelengths)]
+    pub(crate) wavelengths: Option<Series>,
 
     /// How grains are packed for light, instead of the scene's: fast, or compact (less memory)
     /// [default: fast; compact where only that fits into --max-memory]

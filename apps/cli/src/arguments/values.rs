@@ -63,6 +63,35 @@ impl FromStr for PictureFile {
     }
 }
 
+/// A plot to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PlotFile {
+    pub(crate) path: PathBuf,
+    pub(crate) format: PlotFormat,
+}
+
+/// Formats of plots, by the extension of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PlotFormat {
+    Svg,
+    Png,
+}
+
+impl FromStr for PlotFile {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let path = PathBuf::from(text);
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        let format = match extension.as_deref() {
+            Some("svg") => PlotFormat::Svg,
+            Some("png") => PlotFormat::Png,
+            _ => return Err("the name must end in .svg or .png".into()),
+        };
+        Ok(Self { path, format })
+    }
+}
+
 /// Pixels `x0,y0,x1,y1`, half-open.
 pub(super) fn crop(text: &str) -> Result<PixelRect, String> {
     let mend = || "write x0,y0,x1,y1 in pixels, with x0 < x1 and y0 < y1".to_owned();

@@ -1,7 +1,6 @@
 //! `snowgrain optics wet` as typed.
 
-use super::laboratory_values::{self, Range, Wavelengths};
-use super::{MachineArguments, TableFormat, values};
+use super::{MachineArguments, PlotFile, Series, TableFormat, laboratory_values, values};
 use clap::{ArgGroup, Args};
 use snowgrain_optics::IceAbsorption;
 use std::path::PathBuf;
@@ -36,20 +35,22 @@ pub(crate) struct WetArguments {
     pub(crate) depth: f64,
 
     /// Part of the pores that water fills, 0 to 1: a list, or FIRST:LAST:STEP [default: 0:1:0.1]
-    #[arg(long, value_name = "S,...|FROM:TO:STEP")]
-    pub(crate) saturation: Option<Range>,
+    #[arg(long, value_name = "S,...|FROM:TO:STEP", value_parser = laboratory_values::albedos)]
+    pub(crate) saturation: Option<Series>,
 
     /// Liquid water content instead, per cent of the volume of snow
-    #[arg(long, value_name = "PERCENT,...|FROM:TO:STEP")]
-    pub(crate) liquid_water: Option<Range>,
+    #[arg(long, value_name = "PERCENT,...|FROM:TO:STEP",
+          value_parser = laboratory_values::amounts)]
+    pub(crate) liquid_water: Option<Series>,
 
     /// The paper's wetness W instead, volume of water by volume of ice
-    #[arg(long, value_name = "W,...|FROM:TO:STEP")]
-    pub(crate) wetness: Option<Range>,
+    #[arg(long, value_name = "W,...|FROM:TO:STEP", value_parser = laboratory_values::amounts)]
+    pub(crate) wetness: Option<Series>,
 
     /// Wavelengths, nm: a list, or FIRST:LAST:STEP; 300 to 2500
-    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "550")]
-    pub(crate) wavelengths: Wavelengths,
+    #[arg(long, value_name = "NM,...|FROM:TO:STEP", default_value = "550",
+          value_parser = laboratory_values::wavelengths)]
+    pub(crate) wavelengths: Series,
 
     /// Parallel light at this zenith angle, degrees [default: light from all of the sky alike]
     #[arg(long, value_name = "DEGREES", value_parser = laboratory_values::zenith)]
@@ -68,6 +69,10 @@ pub(crate) struct WetArguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
+
+    /// Draws it too, as SVG or PNG: R and T over the saturation
+    #[arg(long, value_name = "FILE.svg|.png")]
+    pub(crate) plot: Option<PlotFile>,
 
     /// What is printed
     #[arg(long, value_enum, default_value = "csv")]

@@ -5,7 +5,7 @@ use crate::Workplace;
 const COLUMNS: &str = "method,wavelength_nm,radius_um,sza_deg,depth_m,R,R_stderr,T,T_stderr,A";
 
 /// Rows of a table of comma-separated values, without the line of names.
-fn rows(csv: &str) -> Vec<Vec<&str>> {
+pub(super) fn rows(csv: &str) -> Vec<Vec<&str>> {
     csv.lines().skip(1).map(|line| line.split(',').collect()).collect()
 }
 
@@ -154,6 +154,39 @@ fn grains_are_traced_where_a_pack_of_them_can_be_made() {
     }
 }
 
+#[test]
+fn lattices_have_whole_layers_and_densities_within_their_reach() {
+    let place = Workplace::new();
+    let run = |pack: &str, density: &str, depth: &str| {
+        let grains = ["optics", "albedo", "--method", "grains", "--radius", "500um", "-q"];
+        let light = ["--wavelengths", "500", "--stderr", "0.05"];
+        let snow = ["--pack", pack, "--density", density, "--depth", depth];
+        place.run(&[&grains[..], &light, &snow].concat())
+    };
+    let ended = run("sc", "480", "4.4mm");
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = rows(&ended.stdout);
+    let depth: f64 = table[0][4].parse().unwrap();
+    assert!(table[0][0] == "grains-sc" && (depth - 0.004).abs() < 1e-5, "{table:?}");
+    assert_eq!(run("fcc", "300", "4mm").code, Some(0));
+    for (pack, density, depth, told) in [
+        ("sc", "500", "4mm", "at most 480"),
+        ("fcc", "800", "4mm", "at most 679"),
+        ("fcc", "300", "inf", "need a depth"),
+        ("sc", "300", "0.3mm", "half a layer"),
+    ] {
+        let ended = run(pack, density, depth);
+        assert_eq!(ended.code, Some(65), "{}", ended.stderr);
+        assert!(ended.stderr.contains(told), "{}", ended.stderr);
+    }
+    let unknown = run("bcc", "300", "4mm");
+    assert!(
+        unknown.code == Some(2) && unknown.stderr.contains("random, sc, fcc"),
+        "{}",
+        unknown.stderr
+    );
+}
+
 /// What a method cannot heed is refused, not ignored.
 #[test]
 fn grains_refuse_polarised_light_and_packs_beyond_the_memory() {
@@ -172,30 +205,6 @@ fn grains_refuse_polarised_light_and_packs_beyond_the_memory() {
     assert!(large.code == Some(69) && large.stderr.contains("--max-memory"), "{}", large.stderr);
     let endless = run(&["--depth", "9000m", "--max-memory", "900TB"]);
     assert!(endless.code == Some(69), "{}", endless.stderr);
-}
-
-#[test]
-fn light_falls_off_inside_snow() {
-    let place = Workplace::new();
-    let run = |more: &[&str]| {
-        let grains = ["optics", "profile", "--radius", "500um", "--wavelengths", "800", "-q"];
-        place.run(&[&grains[..], &["--stderr", "0.05"], more].concat())
-    };
-    let ended = run(&["--at", "0,1cm,4cm", "--sza", "40"]);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let table = rows(&ended.stdout);
-    let number = |row: usize, column: usize| table[row][column].parse::<f64>().unwrap();
-    assert_eq!((table.len(), number(0, 4), table[2][8]), (3, 1.0, ""));
-    assert!(number(0, 6) > 0.6 && number(1, 4) > number(2, 4) && number(2, 4) > number(2, 6));
-    assert!((0.02..0.2).contains(&number(1, 8)), "{table:?}");
-    for (more, told) in [
-        (vec!["--at", "2cm,1cm"], "from the top down"),
-        (vec!["--at", "2cm", "--depth", "1cm"], "below the snow"),
-        (vec!["--at", "1cm", "--ground", "0.5"], "black ground"),
-    ] {
-        let ended = run(&more);
-        assert!(ended.code == Some(2) && ended.stderr.contains(told), "{more:?} {}", ended.stderr);
-    }
 }
 
 #[test]
@@ -247,6 +256,8 @@ fn what_snow_cannot_be_is_refused() {
         ("--impurity", "coal=1ppb", "no impurity is called 'coal'"),
         ("--method", "guess", "homogeneous"),
         ("--ice-k", "mine", "picard-2016"),
+        ("--density", "300:200:50", "FROM:TO:STEP"),
+        ("--ground", "0:2:0.5", "0 to 1"),
     ] {
         let grains: &[&str] =
             if ["--radius", "--ssa"].contains(&option) { &[] } else { &["--radius", "1mm"] };

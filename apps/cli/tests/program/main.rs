@@ -5,6 +5,7 @@
 mod colours;
 mod errors;
 mod laboratory;
+mod light_in_snow;
 mod measures;
 mod pictures;
 #[cfg(unix)]

@@ -176,14 +176,19 @@ impl<'a> Flight<'a> {
         both!(&mut self.engine, flight => flight.advance(self.level, events));
     }
 
-    /// The ray along which the path of `lane` travels, from where it stands (metres).
+    /// The ray along which the path of `lane` travels, from where it stands (metres): in a grid that
+    /// repeats, as far from where it entered the first period as it has come.
     #[inline]
     #[must_use]
     pub fn ray(&self, lane: usize) -> Ray {
         let (place, direction) =
             both!(&self.engine, flight => (flight.place(lane), flight.direction(lane)));
         let direction = DVec3::from_array(direction.map(f64::from)).normalize();
-        Ray::new(self.grid.world(place), direction)
+        let beyond = match &self.engine {
+            Engine::Blocks(flight) => self.grid.beyond_first_period(flight.periods(lane)),
+            Engine::Crystal(flight) => flight.beyond_first_period(lane) * self.grid.quantum(),
+        };
+        Ray::new(self.grid.world(place) + beyond, direction)
     }
 
     /// What the path of `lane` has done so far.

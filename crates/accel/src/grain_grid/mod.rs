@@ -290,6 +290,14 @@ impl GrainGrid {
         self.metres(DVec3::from_array(quanta))
     }
 
+    /// From a place in the first period to the same one so many periods further, metres.
+    pub(crate) fn beyond_first_period(&self, periods: [i32; 3]) -> DVec3 {
+        let quanta = |axis: usize| {
+            f64::from(periods[axis]) * f64::from(self.cells[axis]) * f64::from(self.side[axis])
+        };
+        DVec3::from_array(std::array::from_fn(quanta)) * self.quantum()
+    }
+
     /// The entry of a cell, its first block already on the way from memory.
     #[inline(always)]
     pub(crate) fn fetchable_entry(&self, cell: [i32; 3]) -> CellEntry {

@@ -113,6 +113,14 @@ impl LatticeSites {
         }))
     }
 
+    /// From a site in the first period to this one, quanta.
+    pub(crate) fn beyond_first_period(&self, site: [i32; 3]) -> DVec3 {
+        let first = self.wrapped(site);
+        DVec3::from_array(std::array::from_fn(|axis| {
+            f64::from(site[axis] - first[axis]) * f64::from(self.half_edge)
+        }))
+    }
+
     /// Whether a point in quanta lies inside a grain.
     pub(super) fn is_inside_grain(&self, quanta: DVec3) -> bool {
         let place = self.locate(quanta);

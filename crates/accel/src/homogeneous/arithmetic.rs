@@ -26,11 +26,21 @@ pub(super) fn ln<S: Simd>(simd: S, x: F<S>) -> F<S> {
     e * splat(core::f32::consts::LN_2) + t * series
 }
 
+/// Cosine and sine of a full turn times a fraction in [0, 1), to 3e-7.
+#[inline(always)]
+pub(super) fn cos_sin_of_turn<S: Simd>(simd: S, turn: F<S>) -> [F<S>; 2] {
+    let splat = |v: f32| F::<S>::splat(simd, v);
+    // The sine is the cosine of a quarter turn less.
+    let back = turn - splat(0.25);
+    let back = back.simd_lt(splat(0.0)).select(back + splat(1.0), back);
+    [cos_of_turn(simd, turn), cos_of_turn(simd, back)]
+}
+
 /// The cosine of a full turn times a fraction in [0, 1), to 3e-7.
 #[inline(always)]
 pub(super) fn cos_of_turn<S: Simd>(simd: S, turn: F<S>) -> F<S> {
     let splat = |v: f32| F::<S>::splat(simd, v);
-    // cos(2 pi x) = -sin(2 pi (|x - 1/2| - 1/4)), and the sine is odd.
+    // cos(2 pi x) = sin(2 pi (|x - 1/2| - 1/4)).
     let x = (turn - splat(0.5)).abs() - splat(0.25);
     let y = x * splat(core::f32::consts::TAU);
     let y2 = y * y;
@@ -40,5 +50,5 @@ pub(super) fn cos_of_turn<S: Simd>(simd: S, turn: F<S>) -> F<S> {
             - y2 * (splat(1.0 / 120.0)
                 - y2 * (splat(1.0 / 5040.0)
                     - y2 * (splat(1.0 / 362_880.0) - y2 * splat(1.0 / 39_916_800.0)))));
-    splat(0.0) - y * series
+    y * series
 }

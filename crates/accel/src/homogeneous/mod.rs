@@ -7,9 +7,16 @@
 //! its length in the ice of each layer instead of a colour: every absorption follows afterwards.
 //!
 //! Sixteen paths at once; a path's numbers depend on its key alone.
+//!
+//! Where light leaves and in which direction needs paths in space: [`trace_in_space`].
 
+mod account;
 mod arithmetic;
+mod grain;
 mod paths;
+mod space;
+
+pub use space::{GrainExtent, Meeting, SpaceEnd, SpaceLayers, trace_in_space};
 
 use crate::SimdLevel;
 use fearless_simd::dispatch;

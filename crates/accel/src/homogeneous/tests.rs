@@ -139,3 +139,127 @@ fn paths_are_the_same_at_every_simd_level_and_in_any_division() {
     }
     assert!(ends(SimdLevel::detect(), &[0, 7, 500, 1000]) == expected);
 }
+
+fn in_space(extent: GrainExtent, free_path: f32, depth: f32) -> SpaceLayers {
+    SpaceLayers {
+        eta: 1.31,
+        polarisation: Polarisation::Redrawn,
+        bottoms: vec![depth],
+        free_path,
+        extent,
+        illumination: Illumination::Parallel(0.6),
+        shown_depth: -1.0,
+        seed: 0,
+        least_absorption: vec![0.0],
+    }
+}
+
+/// Followed in space, light comes to the same ends, and directions and weights stay what they are.
+#[test]
+fn paths_in_space_end_where_plane_ones_do() {
+    for illumination in [Illumination::Parallel(0.6), Illumination::Diffuse] {
+        assert_same_ends(illumination);
+    }
+}
+
+fn assert_same_ends(illumination: Illumination) {
+    let (depth, paths) = (5.0f32, 100_000);
+    let plane = sums(&slab(depth, illumination), paths);
+    let space = in_space(GrainExtent::Points, 1.0, depth);
+    let layers = SpaceLayers { shown_depth: 1.0, illumination, ..space };
+    let (mut reflected, mut visits, mut shown, mut aside) = (0.0, 0.0, 0.0, 0.0);
+    trace_in_space(
+        &layers,
+        SimdLevel::detect(),
+        0..paths,
+        &mut |meeting| {
+            assert!((0.0..=1.0).contains(&meeting.depth));
+            let square: f32 = meeting.direction.iter().map(|part| part * part).sum();
+            assert!((square - 1.0).abs() < 1e-5, "{meeting:?}");
+            shown += f64::from(meeting.weight);
+        },
+        &mut |end| {
+            reflected += f64::from(u8::from(end.end == HomogeneousEnd::Reflected));
+            visits += f64::from(end.grain_visits);
+            aside += end.place[1];
+            assert_eq!(end.end == HomogeneousEnd::Reflected, end.direction[2] < 0.0);
+            assert!(end.void_length > 0.0);
+        },
+    );
+    let n = paths as f64;
+    let (reflected, visits) = (reflected / n, visits / n);
+    assert!((reflected - plane.reflected).abs() < 0.007, "{reflected} {}", plane.reflected);
+    assert!((visits / plane.visits - 1.0).abs() < 0.02, "{visits} {}", plane.visits);
+    assert!(shown > 0.2 * visits * n && shown < 0.4 * visits * n, "{shown}");
+    assert!((aside / n).abs() < 0.1, "{}", aside / n);
+}
+
+/// A sphere moves light on by 1.486 radii in the mean (section 1 of the project's physics), and turns it
+/// towards the side to which it moves it.
+#[test]
+fn spheres_move_light_on() {
+    // Hardly any way between grains: the second meeting tells what the first grain did.
+    let ends = |extent: GrainExtent, paths: u64| {
+        let (mut first, mut second) = (0.0, 0.0);
+        let layers = SpaceLayers {
+            illumination: Illumination::Parallel(1.0),
+            shown_depth: 1e9,
+            ..in_space(extent, 1e-3, 8.0)
+        };
+        trace_in_space(
+            &layers,
+            SimdLevel::detect(),
+            0..paths,
+            &mut |meeting| match meeting.grain_visits {
+                0 => first += f64::from(meeting.depth),
+                1 => second += f64::from(meeting.depth),
+                _ => (),
+            },
+            &mut |_| (),
+        );
+        (first / paths as f64, second / paths as f64)
+    };
+    let (first, second) = ends(GrainExtent::Spheres, 100_000);
+    assert!((first - 1e-3).abs() < 2e-5, "{first}");
+    // Those that meet a second grain at all: all but the ones that leave upwards.
+    assert!((second - 1.486).abs() < 0.04, "{second}");
+    let (_, points) = ends(GrainExtent::Points, 500);
+    assert!(points < 0.01, "{points}");
+}
+
+#[test]
+fn paths_in_space_are_the_same_at_every_simd_level_and_in_any_division() {
+    let layers = SpaceLayers {
+        shown_depth: 4.0,
+        bottoms: vec![3.0, 50.0],
+        least_absorption: vec![1e-3, 1e-2],
+        polarisation: Polarisation::Tracked,
+        ..in_space(GrainExtent::Spheres, 2.0, 1.0)
+    };
+    let all = |level: SimdLevel, cuts: &[u64]| {
+        let (mut met, mut ended) = (Vec::new(), Vec::new());
+        for cut in cuts.windows(2) {
+            trace_in_space(
+                &layers,
+                level,
+                cut[0]..cut[1],
+                &mut |meeting| {
+                    met.push((meeting.depth.to_bits(), meeting.direction.map(f32::to_bits)))
+                },
+                &mut |end| {
+                    let places = end.place.map(f64::to_bits);
+                    ended.push((places, end.void_length.to_bits(), end.weight.to_bits()));
+                },
+            );
+        }
+        met.sort_unstable();
+        ended.sort_unstable();
+        (met, ended)
+    };
+    let expected = all(SimdLevel::detect(), &[0, 500]);
+    assert_eq!(expected.1.len(), 500);
+    for level in SimdLevel::available() {
+        assert!(all(level, &[0, 500]) == expected, "{level}");
+    }
+    assert!(all(SimdLevel::detect(), &[0, 7, 300, 500]) == expected);
+}

@@ -1,14 +1,14 @@
 //! Spectral albedo of layers of snow.
 
+use super::kernel::layers_for;
 use super::lengths::Ends;
 use super::nodes::{nodes_for, weights_at};
+use super::progress::{Round, Tell, part_of};
 use super::{GrainLayer, Incidence, SnowLayer, SnowStack};
 use crate::measure::Estimate;
 use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
-use snowgrain_accel::homogeneous::{
-    HomogeneousEnd, HomogeneousLayers, Illumination, trace_homogeneous,
-};
+use snowgrain_accel::homogeneous::{HomogeneousEnd, trace_homogeneous};
 use snowgrain_math::trig;
 use snowgrain_optics::sphere::{self, Polarisation};
 use snowgrain_optics::theory::{self, Fluxes, SingleScattering};
@@ -69,19 +69,20 @@ pub struct Albedo {
 
 /// Layers in which grains are met at random, by the closed form of a sphere (see
 /// `snowgrain_accel::homogeneous`): Monte Carlo, unbiased but for the interpolation between refractive
-/// indices. The result depends on the settings only. `progress` is told after each round the paths
-/// traced and the part of the way to the standard error that is done.
+/// indices. The result depends on the settings only.
 #[must_use]
 pub fn homogeneous_albedo(
     stack: &SnowStack,
     settings: &AlbedoSettings,
-    progress: &mut dyn FnMut(u64, f64),
+    tell: Tell<'_>,
 ) -> Vec<Albedo> {
     let mut found: Vec<Option<Albedo>> = vec![None; settings.wavelengths_nm.len()];
-    for band in bands(stack, &settings.wavelengths_nm) {
+    let bands = bands(stack, &settings.wavelengths_nm);
+    for (part, band) in bands.iter().enumerate() {
+        let tell = part_of(tell, part, bands.len());
         let wavelengths_nm = band.iter().map(|&index| settings.wavelengths_nm[index]).collect();
         let settings = AlbedoSettings { wavelengths_nm, ..settings.clone() };
-        let albedos = albedo_of_band(stack, &settings, &mut Way::Homogeneous, progress);
+        let albedos = albedo_of_band(stack, &settings, &mut Way::Homogeneous, &tell);
         for (index, albedo) in band.iter().zip(albedos) {
             found[*index] = Some(albedo);
         }
@@ -97,9 +98,9 @@ pub fn grain_albedo(
     stack: &SnowStack,
     layer: &mut GrainLayer,
     settings: &AlbedoSettings,
-    progress: &mut dyn FnMut(u64, f64),
+    tell: Tell<'_>,
 ) -> Vec<Albedo> {
-    albedo_of_band(stack, settings, &mut Way::Grains(layer), progress)
+    albedo_of_band(stack, settings, &mut Way::Grains(layer), tell)
 }
 
 /// Ways to trace paths.
@@ -135,14 +136,17 @@ fn albedo_of_band(
     stack: &SnowStack,
     settings: &AlbedoSettings,
     way: &mut Way<'_>,
-    progress: &mut dyn FnMut(u64, f64),
+    tell: Tell<'_>,
 ) -> Vec<Albedo> {
-    let above = Runs::until_exact(&stack.layers, false, stack, (settings, way), progress);
     let reflects = stack.ground_albedo > 0.0 && !stack.is_deep();
+    let parts = 1 + usize::from(reflects);
+    let first = part_of(tell, 0, parts);
+    let above = Runs::until_exact(&stack.layers, false, stack, (settings, way), &first);
     let below = reflects.then(|| {
         let turned: Vec<SnowLayer> = stack.layers.iter().rev().cloned().collect();
         let diffuse = AlbedoSettings { incidence: Incidence::Diffuse, ..settings.clone() };
-        Runs::until_exact(&turned, true, stack, (&diffuse, way), progress)
+        let second = part_of(tell, 1, parts);
+        Runs::until_exact(&turned, true, stack, (&diffuse, way), &second)
     });
     settings
         .wavelengths_nm
@@ -209,19 +213,21 @@ impl Runs {
         from_below: bool,
         stack: &SnowStack,
         (settings, way): (&AlbedoSettings, &mut Way<'_>),
-        progress: &mut dyn FnMut(u64, f64),
+        tell: Tell<'_>,
     ) -> Self {
         let nodes = nodes_for(&settings.wavelengths_nm);
         let ends = vec![Ends::of(layers.len()); nodes.len()];
         let mut runs = Self { layers: layers.to_vec(), from_below, nodes, ends, paths: 0 };
         let mut next = FIRST_ROUND.min(settings.most_paths.max(1));
+        let mut short = f64::INFINITY;
         loop {
             let paths = runs.paths..runs.paths + next;
+            let round = Round::new(tell, runs.paths * runs.nodes.len() as u64, short);
             match way {
-                Way::Homogeneous => runs.trace_homogeneous(stack, settings, next),
+                Way::Homogeneous => runs.trace_homogeneous(stack, settings, next, &round),
                 Way::Grains(layer) => {
                     for (ends, &eta) in runs.ends.iter_mut().zip(&runs.nodes) {
-                        ends.merge(&layer.trace(eta, settings, runs.from_below, &paths));
+                        ends.merge(&layer.trace(eta, settings, (runs.from_below, &paths), &round));
                     }
                 }
             }
@@ -231,8 +237,8 @@ impl Runs {
                 .iter()
                 .map(|&wavelength| settings.errors_to_reach(runs.at(stack, wavelength)))
                 .fold(0.0, f64::max);
-            let short = worst * worst;
-            progress(runs.paths, (1.0 / short).min(1.0));
+            short = worst * worst;
+            tell((1.0 / short).min(1.0));
             if short <= 1.0 || runs.paths >= settings.most_paths {
                 return runs;
             }
@@ -242,7 +248,13 @@ impl Runs {
         }
     }
 
-    fn trace_homogeneous(&mut self, stack: &SnowStack, settings: &AlbedoSettings, more: u64) {
+    fn trace_homogeneous(
+        &mut self,
+        stack: &SnowStack,
+        settings: &AlbedoSettings,
+        more: u64,
+        round: &Round<'_>,
+    ) {
         let first = self.paths;
         let tasks: Vec<(usize, u64)> = (0..self.nodes.len())
             .flat_map(|node| (0..more.div_ceil(PATHS_PER_TASK)).map(move |task| (node, task)))
@@ -269,6 +281,7 @@ impl Runs {
                     },
                     &mut |_| (),
                 );
+                round.add(until - from);
                 (node, ends)
             })
             .collect();
@@ -298,48 +311,6 @@ impl Runs {
             }
         }
         found
-    }
-}
-
-/// The layers as the kernel wants them, from where light enters on.
-pub(super) fn layers_for(
-    layers: &[SnowLayer],
-    stack: &SnowStack,
-    settings: &AlbedoSettings,
-    eta: f64,
-) -> HomogeneousLayers {
-    let mut bottom = 0.0;
-    let bottoms: Vec<f32> = layers
-        .iter()
-        .map(|layer| {
-            bottom += layer.optical_depth();
-            bottom as f32
-        })
-        .collect();
-    let least_absorption: Vec<f32> = layers
-        .iter()
-        .map(|layer| {
-            let wavelengths = settings.wavelengths_nm.iter();
-            let least = wavelengths
-                .map(|&wavelength| layer.absorption_per_metre(stack.ice, wavelength))
-                .fold(f64::INFINITY, f64::min);
-            (least * layer.radius) as f32
-        })
-        .collect();
-    let illumination = match settings.incidence {
-        Incidence::Diffuse => Illumination::Diffuse,
-        Incidence::Sun { zenith_degrees } => {
-            Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
-        }
-    };
-    HomogeneousLayers {
-        eta,
-        polarisation: settings.polarisation,
-        bottoms,
-        planes: Vec::new(),
-        illumination,
-        seed: settings.seed,
-        least_absorption,
     }
 }
 

@@ -5,23 +5,31 @@
 //! which bends paths, is taken at a few nodes between which results are interpolated.
 
 mod albedo;
+mod batches;
+mod brdf;
 mod broadband;
 mod colour;
 mod grains;
+mod kernel;
 mod lengths;
 mod nodes;
 mod profile;
+mod progress;
 mod snow;
+mod spread;
 mod wet;
 
 pub use albedo::{
     Albedo, AlbedoSettings, Theory, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
+pub use brdf::{BrdfSettings, View, homogeneous_brdf, kokhanovsky_breon_brdf};
 pub use broadband::{Band, broadband, broadband_wavelengths_nm};
 pub use colour::{colour_wavelengths_nm, colours};
-pub use grains::GrainLayer;
+pub use grains::{GrainLayer, Pack};
 pub use profile::{Flux, flux_profile};
+pub use progress::Tell;
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::MOST_LAYERS;
 pub use snowgrain_optics::sphere::Polarisation;
+pub use spread::{FaceSpread, Spread, SpreadBin, SpreadSettings, grain_spread, homogeneous_spread};
 pub use wet::{WetAlbedo, WetLayer, WetSettings};

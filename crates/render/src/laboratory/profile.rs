@@ -1,11 +1,13 @@
 //! Light inside snow: how much of it goes down and up at a depth.
 
-use super::albedo::{bands, layers_for};
+use super::albedo::bands;
+use super::batches::Batches;
+use super::kernel::layers_for;
 use super::lengths::LengthHistogram;
 use super::nodes::{nodes_for, weights_at};
+use super::progress::{Tell, part_of};
 use super::{AlbedoSettings, SnowStack};
 use crate::measure::Estimate;
-use rayon::prelude::*;
 use snowgrain_accel::homogeneous::trace_homogeneous;
 use snowgrain_optics::ice;
 
@@ -34,17 +36,19 @@ pub fn flux_profile(
     stack: &SnowStack,
     depths: &[f64],
     settings: &AlbedoSettings,
-    progress: &mut dyn FnMut(u64, f64),
+    tell: Tell<'_>,
 ) -> Option<Vec<Vec<Flux>>> {
     if stack.layers.len() != 1 || stack.ground_albedo > 0.0 {
         return None;
     }
     let mut found = vec![Vec::new(); settings.wavelengths_nm.len()];
-    for band in bands(stack, &settings.wavelengths_nm) {
+    let bands = bands(stack, &settings.wavelengths_nm);
+    for (part, band) in bands.iter().enumerate() {
+        let tell = part_of(tell, part, bands.len());
         let wavelengths_nm = band.iter().map(|&index| settings.wavelengths_nm[index]).collect();
         let settings = AlbedoSettings { wavelengths_nm, ..settings.clone() };
         let search = Search { stack, depths, settings: &settings };
-        for (index, fluxes) in band.iter().zip(search.run(progress)) {
+        for (index, fluxes) in band.iter().zip(search.run(&tell)) {
             found[*index] = fluxes;
         }
     }
@@ -59,38 +63,22 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Of each wavelength the fluxes at all depths.
-    fn run(&self, progress: &mut dyn FnMut(u64, f64)) -> Vec<Vec<Flux>> {
+    fn run(&self, tell: Tell<'_>) -> Vec<Vec<Flux>> {
         let nodes = nodes_for(&self.settings.wavelengths_nm);
-        let mut sums: Vec<[f64; 2]> = Vec::new();
-        let (mut tasks, mut next) = (0, FIRST_TASKS);
-        loop {
-            let parts: Vec<Vec<f64>> =
-                (tasks..tasks + next).into_par_iter().map(|task| self.task(&nodes, task)).collect();
-            sums.resize(parts[0].len(), [0.0; 2]);
-            for part in &parts {
-                for (sum, value) in sums.iter_mut().zip(part) {
-                    *sum = [sum[0] + value, sum[1] + value * value];
-                }
-            }
-            tasks += next;
-            let n = tasks as f64;
-            let estimate = |[sum, squares]: [f64; 2]| {
-                let mean = sum / n;
-                let variance = (squares / n - mean * mean).max(0.0);
-                Estimate { mean, standard_error: (variance / (n - 1.0)).sqrt() }
-            };
-            let fluxes: Vec<Flux> = sums
-                .chunks_exact(2)
-                .map(|pair| Flux { down: estimate(pair[0]), up: estimate(pair[1]) })
-                .collect();
-            let worst = fluxes.iter().map(|flux| self.error_to_reach(flux)).fold(0.0, f64::max);
-            progress(tasks * PATHS_PER_TASK, (1.0 / (worst * worst)).min(1.0));
-            if worst <= 1.0 || tasks * PATHS_PER_TASK >= self.settings.most_paths {
-                let each = self.depths.len().max(1);
-                return fluxes.chunks(each).map(<[Flux]>::to_vec).collect();
-            }
-            next = ((n * (1.05 * worst * worst - 1.0).clamp(0.1, 2.0)) as u64).max(1);
-        }
+        let batches = Batches {
+            paths: PATHS_PER_TASK,
+            first: FIRST_TASKS,
+            most_paths: self.settings.most_paths,
+        };
+        let fluxes = |means: &[Estimate]| {
+            let pairs = means.chunks_exact(2);
+            pairs.map(|pair| Flux { down: pair[0], up: pair[1] }).collect::<Vec<Flux>>()
+        };
+        let error = |means: &[Estimate]| {
+            fluxes(means).iter().map(|flux| self.error_to_reach(flux)).fold(0.0, f64::max)
+        };
+        let means = batches.until_exact(|task| self.task(&nodes, task), error, tell);
+        fluxes(&means).chunks(self.depths.len().max(1)).map(<[Flux]>::to_vec).collect()
     }
 
     fn error_to_reach(&self, flux: &Flux) -> f64 {

@@ -1,22 +1,18 @@
 //! `snowgrain optics albedo`.
 
+use super::cases::{Share, find_all};
+use super::plot::{self, Chart, Charts, Line, Scale, lines_of};
 use super::snow;
-use super::table::{Cell, Table};
+use super::table::{Cell, Table, check_rows};
 use crate::arguments::{AlbedoArguments, Method, PolarisationName};
-use crate::budget::Budget;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::summary::grouped;
 use crate::threads::pool;
-use snowgrain_render::CostEstimate;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, Band, GrainLayer, Incidence, SnowStack, Theory, broadband,
+    Albedo, AlbedoSettings, Band, GrainLayer, Incidence, SnowStack, Tell, Theory, broadband,
     broadband_wavelengths_nm, grain_albedo, homogeneous_albedo, theoretical_albedo,
 };
 use snowgrain_render::measure::Estimate;
-
-/// Most lines of a table.
-const MOST_ROWS: usize = 10_000_000;
 
 const COLUMNS: [&str; 13] = [
     "method",
@@ -34,65 +30,126 @@ const COLUMNS: [&str; 13] = [
     "impurities",
 ];
 
+/// One search: of all wavelengths.
+struct Case {
+    stack: SnowStack,
+    incidence: Incidence,
+    method: Method,
+}
+
 pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
     let progress = Progress::new(arguments.search.quiet, false);
     let pool = pool(&arguments.search.machine)?;
-    let stacks = snow::stacks(&arguments.snow)?;
-    let incidences = incidences(arguments);
     let wavelengths_nm = if arguments.broadband {
         broadband_wavelengths_nm()
     } else {
         arguments.wavelengths.0.clone()
     };
-    let wavelengths = wavelengths_nm.len();
-    let cases = stacks.len() * incidences.len() * arguments.method.len();
-    if cases.saturating_mul(wavelengths) > MOST_ROWS {
-        return Err(Failure::refused(format!(
-            "{cases} cases of {wavelengths} wavelengths make more than {MOST_ROWS} lines; ask for \
-             fewer at a time"
-        )));
-    }
-    let mut table =
-        Table { names: COLUMNS.to_vec(), rows: Vec::with_capacity(cases * wavelengths) };
-    for (index, stack) in stacks.iter().enumerate() {
-        for &incidence in &incidences {
-            for &method in &arguments.method {
-                let case = format!("{}, case {} of {}", name(method), index + 1, stacks.len());
-                progress.stage(&case);
-                let find = |incidence: Incidence| {
-                    let search = Search { arguments, progress: &progress, stack, method };
-                    pool.install(|| search.find(incidence, &wavelengths_nm))
-                };
-                let albedos = find(incidence)?;
-                if !arguments.broadband {
-                    let row = |albedo: &Albedo| row(stack, incidence, method, &Part::of(albedo));
-                    table.rows.extend(albedos.iter().map(row));
-                    continue;
-                }
-                let diffuse = if incidence == Incidence::Diffuse {
-                    albedos.clone()
-                } else {
-                    find(Incidence::Diffuse)?
-                };
-                for band in Band::ALL {
-                    let Some(fluxes) = broadband(band, incidence, &albedos, &diffuse) else {
-                        continue;
-                    };
-                    let part = Part::of_band(band, fluxes, stack);
-                    table.rows.push(row(stack, incidence, method, &part));
-                }
-            }
-        }
-    }
+    let cases = cases(arguments)?;
+    check_rows(&[cases.len(), wavelengths_nm.len()])?;
+    // A pack of grains takes much memory.
+    let share = |case: &Case| match case.method {
+        Method::Grains => Share::Alone,
+        _ => Share::Together,
+    };
+    let find = |case: &Case, tell: Tell<'_>| parts(arguments, case, &wavelengths_nm, tell);
+    let found = find_all((&progress, &pool, "albedo"), &cases, share, find)?;
     progress.finish();
+    let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
+    for (case, parts) in cases.iter().zip(&found) {
+        let name = match case.method {
+            Method::Grains => snow::packed_name(arguments.pack),
+            method => name(method),
+        };
+        table.rows.extend(parts.iter().map(|part| row((name, case), part)));
+    }
     table.tell(&arguments.search)?;
+    if let Some(file) = &arguments.plot {
+        plot::write(file, &charts(&table))?;
+    }
     Ok(0)
 }
 
-fn incidences(arguments: &AlbedoArguments) -> Vec<Incidence> {
-    let suns = arguments.sza.iter().map(|&zenith_degrees| Incidence::Sun { zenith_degrees });
-    let diffuse = arguments.diffuse || arguments.sza.is_empty();
-    diffuse.then_some(Incidence::Diffuse).into_iter().chain(suns).collect()
+fn charts(table: &Table) -> Charts {
+    let lines = |part: &'static str, error: &'static str| {
+        lines_of(table, snow::PLOT_KEYS, move |cell| {
+            let number = |name: &str| cell(name)?.number();
+            let point = [number("wavelength_nm")?, number(part)?, number(error)?];
+            (part == "R" || point[1] > 0.0).then(|| (part.to_owned(), point))
+        })
+    };
+    let ((mut all, alike), (through, _)) = (lines("R", "R_stderr"), lines("T", "T_stderr"));
+    all.extend(through.into_iter().map(|line| Line { dashed: true, ..line }));
+    let chart = Chart {
+        names: ["wavelength / nm", "part of the light"],
+        scales: [Scale::Linear; 2],
+        y_range: Some([0.0, 1.0]),
+        lines: all,
+    };
+    let title = "Light that snow reflects (R) and lets through (T)".into();
+    Charts { title, subtitle: alike, charts: vec![chart] }
+}
+
+fn cases(arguments: &AlbedoArguments) -> Result<Vec<Case>, Failure> {
+    let incidences = snow::incidences(arguments.diffuse, &arguments.sza);
+    let mut cases = Vec::new();
+    for stack in snow::stacks(&arguments.snow)? {
+        for &incidence in &incidences {
+            for &method in &arguments.method {
+                let stack = match method {
+                    Method::Grains => GrainLayer::packed(&stack, arguments.pack.into())?,
+                    _ => stack.clone(),
+                };
+                let case = Case { stack, incidence, method };
+                check(arguments, &case)?;
+                cases.push(case);
+            }
+        }
+    }
+    Ok(cases)
+}
+
+/// Refuses what a method does not cover, before others take their time.
+fn check(arguments: &AlbedoArguments, case: &Case) -> Result<(), Failure> {
+    /// Any wavelength will do.
+    const SOME_NM: [f64; 1] = [550.0];
+    let tracked = arguments.search.polarisation == PolarisationName::Tracked;
+    match case.method {
+        Method::Homogeneous => Ok(()),
+        Method::Grains if tracked => Err(snow::grains_are_unpolarised()),
+        Method::Grains => Ok(()),
+        Method::WiscombeWarren
+        | Method::TwoStream
+        | Method::KokhanovskyZege
+        | Method::BohrenBarkstrom => {
+            let search = Search { arguments, stack: &case.stack, method: case.method };
+            search.find(case.incidence, &SOME_NM, &|_| ()).map(drop)
+        }
+    }
+}
+
+/// The lines of a case.
+fn parts(
+    arguments: &AlbedoArguments,
+    case: &Case,
+    wavelengths_nm: &[f64],
+    tell: Tell<'_>,
+) -> Result<Vec<Part>, Failure> {
+    let search = Search { arguments, stack: &case.stack, method: case.method };
+    let albedos = search.find(case.incidence, wavelengths_nm, tell)?;
+    if !arguments.broadband {
+        return Ok(albedos.iter().map(Part::of).collect());
+    }
+    let diffuse = if case.incidence == Incidence::Diffuse {
+        albedos.clone()
+    } else {
+        search.find(Incidence::Diffuse, wavelengths_nm, tell)?
+    };
+    let part = |band: Band| {
+        let fluxes = broadband(band, case.incidence, &albedos, &diffuse)?;
+        Some(Part::of_band(band, fluxes, &case.stack))
+    };
+    Ok(Band::ALL.into_iter().filter_map(part).collect())
 }
 
 /// One line of the table: a wavelength or a band, and what becomes of its light.
@@ -126,14 +183,18 @@ impl Part {
 /// What albedos are found of, and how.
 struct Search<'a> {
     arguments: &'a AlbedoArguments,
-    progress: &'a Progress,
     stack: &'a SnowStack,
     method: Method,
 }
 
 impl Search<'_> {
-    fn find(&self, incidence: Incidence, wavelengths_nm: &[f64]) -> Result<Vec<Albedo>, Failure> {
-        let Self { arguments, progress, stack, method } = *self;
+    fn find(
+        &self,
+        incidence: Incidence,
+        wavelengths_nm: &[f64],
+        tell: Tell<'_>,
+    ) -> Result<Vec<Albedo>, Failure> {
+        let Self { arguments, stack, method } = *self;
         let theory = match method {
             Method::Homogeneous | Method::Grains => {
                 let settings = AlbedoSettings {
@@ -142,23 +203,11 @@ impl Search<'_> {
                     standard_error: arguments.stderr,
                     ..snow::search(&arguments.search)
                 };
-                let mut tell = |paths: u64, done: f64| {
-                    progress.detail(&format!("{} paths, {:.0} %", grouped(paths), 100.0 * done));
-                };
                 if method == Method::Homogeneous {
-                    return Ok(homogeneous_albedo(stack, &settings, &mut tell));
+                    return Ok(homogeneous_albedo(stack, &settings, tell));
                 }
-                if arguments.search.polarisation == PolarisationName::Tracked {
-                    return Err(Failure::usage(
-                        "grains are traced with unpolarised light; leave --polarisation out, or use \
-                     --method homogeneous",
-                    ));
-                }
-                let budget = Budget::of_this_machine(arguments.search.machine.max_memory);
-                let needs = CostEstimate::of_grains(GrainLayer::grains(stack));
-                budget.map_or(Ok(()), |budget| budget.check(&needs))?;
-                let mut layer = GrainLayer::new(stack, settings.seed)?;
-                return Ok(grain_albedo(stack, &mut layer, &settings, &mut tell));
+                let mut layer = snow::grain_layer(stack, arguments.pack, &arguments.search)?;
+                return Ok(grain_albedo(stack, &mut layer, &settings, tell));
             }
             Method::WiscombeWarren => Theory::WiscombeWarren,
             Method::TwoStream => Theory::TwoStream,
@@ -193,13 +242,14 @@ fn name(method: Method) -> &'static str {
     }
 }
 
-fn row(stack: &SnowStack, incidence: Incidence, method: Method, part: &Part) -> Vec<Cell> {
+fn row((name, case): (&str, &Case), part: &Part) -> Vec<Cell> {
+    let Case { stack, incidence, .. } = case;
     let [reflectance, transmittance] = part.fluxes;
     vec![
-        Cell::Word(name(method).into()),
+        Cell::Word(name.into()),
         part.of.clone(),
         snow::radius_um(stack),
-        snow::zenith(incidence),
+        snow::zenith(*incidence),
         snow::depth_m(stack),
         Cell::Number(reflectance.mean),
         Cell::Number(reflectance.standard_error),

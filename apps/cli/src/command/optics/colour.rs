@@ -1,5 +1,6 @@
 //! `snowgrain optics colour`.
 
+use super::cases::{Share, find_all};
 use super::snow;
 use super::swatches::{Swatch, svg};
 use super::table::{Cell, Table};
@@ -12,7 +13,7 @@ use snowgrain_math::DVec3;
 use snowgrain_optics::Primaries;
 use snowgrain_optics::colour::chromaticity;
 use snowgrain_render::laboratory::{
-    AlbedoSettings, Incidence, SnowStack, colour_wavelengths_nm, colours, homogeneous_albedo,
+    AlbedoSettings, Incidence, SnowStack, Tell, colour_wavelengths_nm, colours, homogeneous_albedo,
 };
 
 /// Standard error of the transmittance, as a part of it.
@@ -48,10 +49,10 @@ pub(super) fn run(arguments: &ColourArguments) -> Result<u8, Failure> {
     };
     let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
     let mut swatches = Vec::new();
-    for (index, stack) in stacks.iter().enumerate() {
-        progress.stage(&format!("case {} of {}", index + 1, stacks.len()));
-        let albedos = pool.install(|| homogeneous_albedo(stack, &settings, &mut |_, _| ()));
-        let Some([reflected, transmitted]) = colours(&albedos, arguments.illuminant) else {
+    let find = |stack: &SnowStack, tell: Tell<'_>| Ok(homogeneous_albedo(stack, &settings, tell));
+    let found = find_all((&progress, &pool, "colour"), &stacks, |_| Share::Together, find)?;
+    for (stack, albedos) in stacks.iter().zip(&found) {
+        let Some([reflected, transmitted]) = colours(albedos, arguments.illuminant) else {
             continue;
         };
         let white = colours_of_white(arguments);

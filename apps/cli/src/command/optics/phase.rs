@@ -1,6 +1,7 @@
 //! `snowgrain optics phase`.
 
-use super::table::{Cell, Table};
+use super::plot::{self, Chart, Charts, Scale, lines_of};
+use super::table::{Cell, Table, number};
 use crate::arguments::PhaseArguments;
 use crate::failure::Failure;
 use core::f64::consts::PI;
@@ -44,5 +45,27 @@ pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
         rows: energies.into_iter().enumerate().map(row).collect(),
     };
     table.tell_with(&figures, arguments.format, arguments.output.as_deref())?;
+    if let Some(file) = &arguments.plot {
+        plot::write(file, &charts(&table, eta, asymmetry))?;
+    }
     Ok(0)
+}
+
+fn charts(table: &Table, eta: f64, asymmetry: f64) -> Charts {
+    let (lines, _) = lines_of(table, &[], |cell| {
+        let number = |name: &str| cell(name)?.number();
+        let middle = 0.5 * (number("from_deg")? + number("to_deg")?);
+        Some((String::new(), [middle, number("phase_function")?, 0.0]))
+    });
+    let chart = Chart {
+        names: ["scattering angle / degrees", "phase function (mean 1)"],
+        scales: [Scale::Linear, Scale::Logarithmic],
+        y_range: None,
+        lines,
+    };
+    Charts {
+        title: "Scattering by a sphere of ice, without diffraction".into(),
+        subtitle: format!("n = {}, g = {}", number(eta), number(asymmetry)),
+        charts: vec![chart],
+    }
 }

@@ -1,48 +1,62 @@
 //! The layers of snow that were asked for, and how they are told in tables.
 
+use super::plot::Keys;
 use super::table::{Cell, number};
-use crate::arguments::{SearchArguments, SnowArguments};
+use crate::arguments::{PackName, SearchArguments, Series, SnowArguments};
+use crate::budget::Budget;
 use crate::failure::Failure;
 use snowgrain_accel::SimdLevel;
 use snowgrain_formats::laboratory::read_layers;
 use snowgrain_optics::ice::radius_of_specific_surface_area;
 use snowgrain_optics::{Impurity, Load};
-use snowgrain_render::laboratory::{AlbedoSettings, Incidence, SnowLayer, SnowStack};
+use snowgrain_render::CostEstimate;
+use snowgrain_render::laboratory::{AlbedoSettings, GrainLayer, Incidence, SnowLayer, SnowStack};
 
 /// Every combination of what was asked for, or the layers of the file.
 pub(super) fn stacks(arguments: &SnowArguments) -> Result<Vec<SnowStack>, Failure> {
-    let stack = |layers: Vec<SnowLayer>| SnowStack {
-        layers,
-        ground_albedo: arguments.ground,
-        ice: arguments.ice_k,
+    let grounds = Series::all(&arguments.ground);
+    let over = |layers: &Vec<SnowLayer>| {
+        let stack = |&ground_albedo: &f64| SnowStack {
+            layers: layers.clone(),
+            ground_albedo,
+            ice: arguments.ice_k,
+        };
+        grounds.iter().map(stack).collect::<Vec<_>>()
     };
     if let Some(path) = &arguments.layers {
-        return Ok(vec![stack(read_layers(path)?)]);
+        return Ok(over(&read_layers(path)?));
     }
-    let from_area = arguments.ssa.iter().map(|&area| radius_of_specific_surface_area(area));
-    let radii: Vec<f64> = arguments.radius.iter().copied().chain(from_area).collect();
+    let from_area = Series::all(&arguments.ssa).into_iter().map(radius_of_specific_surface_area);
     let mut mixtures: Vec<Vec<Impurity>> = vec![Vec::new()];
     for loads in &arguments.impurity {
-        mixtures = mixtures
-            .iter()
-            .flat_map(|mixture| {
-                loads.0.iter().map(|&impurity| [mixture.as_slice(), &[impurity]].concat())
-            })
-            .collect();
+        let with = |mixture: &Vec<Impurity>| {
+            let one = |&impurity: &Impurity| [mixture.as_slice(), &[impurity]].concat();
+            loads.0.iter().map(one).collect::<Vec<_>>()
+        };
+        mixtures = mixtures.iter().flat_map(with).collect();
     }
+    let (densities, depths) = (Series::all(&arguments.density), Series::all(&arguments.depth));
     let mut stacks = Vec::new();
-    for &radius in &radii {
-        for &density in &arguments.density {
-            for depth in &arguments.depth {
+    for radius in Series::all(&arguments.radius).into_iter().chain(from_area) {
+        for &density in &densities {
+            for &depth in &depths {
                 for impurities in &mixtures {
                     let impurities = impurities.clone();
-                    let layer = SnowLayer { radius, density, depth: depth.0, impurities };
-                    stacks.push(stack(vec![layer]));
+                    stacks.extend(over(&vec![SnowLayer { radius, density, depth, impurities }]));
                 }
             }
         }
     }
     Ok(stacks)
+}
+
+/// Parallel light at each zenith angle; light from all of the sky, first, where it is asked for or
+/// nothing else is.
+pub(super) fn incidences(diffuse: bool, zeniths: &[Series]) -> Vec<Incidence> {
+    let zeniths = Series::all(zeniths);
+    let diffuse = (diffuse || zeniths.is_empty()).then_some(Incidence::Diffuse);
+    let suns = zeniths.into_iter().map(|zenith_degrees| Incidence::Sun { zenith_degrees });
+    diffuse.into_iter().chain(suns).collect()
 }
 
 /// Settings of a search by Monte Carlo, without what it searches for.
@@ -58,6 +72,49 @@ pub(super) fn search(arguments: &SearchArguments) -> AlbedoSettings {
         level: arguments.machine.simd.unwrap_or_else(SimdLevel::detect),
     }
 }
+
+/// The only layer of `stack` as a pack of grains.
+///
+/// # Errors
+/// Snow of which no pack can be made, or for which there is no room.
+pub(super) fn grain_layer(
+    stack: &SnowStack,
+    pack: PackName,
+    arguments: &SearchArguments,
+) -> Result<GrainLayer, Failure> {
+    let budget = Budget::of_this_machine(arguments.machine.max_memory);
+    let needs = CostEstimate::of_grains(GrainLayer::grains(stack, pack.into()));
+    budget.map_or(Ok(()), |budget| budget.check(&needs))?;
+    Ok(GrainLayer::new(stack, pack.into(), arguments.seed)?)
+}
+
+/// The method, with the lattice in which its grains are packed.
+pub(super) fn packed_name(pack: PackName) -> &'static str {
+    match pack {
+        PackName::Random => "grains",
+        PackName::Sc => "grains-sc",
+        PackName::Fcc => "grains-fcc",
+    }
+}
+
+/// What is said where grains should be traced with light whose polarisation is tracked.
+pub(super) fn grains_are_unpolarised() -> Failure {
+    Failure::usage(
+        "grains are traced with unpolarised light; leave --polarisation out, or use --method \
+         homogeneous",
+    )
+}
+
+/// What tells cases apart in a plot.
+pub(super) const PLOT_KEYS: Keys = &[
+    ("method", "", ""),
+    ("radius_um", "r ", " µm"),
+    ("sza_deg", "sun ", "°"),
+    ("density_kg_m3", "", " kg/m³"),
+    ("depth_m", "depth ", " m"),
+    ("ground_albedo", "ground ", ""),
+    ("impurities", "", ""),
+];
 
 /// A value of the only layer; what differs between layers is not one number.
 fn of_layer(stack: &SnowStack, value: impl Fn(&SnowLayer) -> Cell) -> Cell {

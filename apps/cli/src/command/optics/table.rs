@@ -6,6 +6,21 @@ use crate::output;
 use serde::Serialize;
 use std::path::Path;
 
+/// Most lines of a table.
+const MOST_ROWS: usize = 10_000_000;
+
+/// # Errors
+/// More lines than a table may have, from as many cases, wavelengths and so on.
+pub(super) fn check_rows(counts: &[usize]) -> Result<(), Failure> {
+    let rows = counts.iter().fold(1usize, |rows, &count| rows.saturating_mul(count));
+    if rows <= MOST_ROWS {
+        return Ok(());
+    }
+    Err(Failure::refused(format!(
+        "what was asked for makes {rows} lines, more than {MOST_ROWS}; ask for fewer at a time"
+    )))
+}
+
 /// A number with six significant digits, without an exponent; nothing where it is none.
 pub(super) fn number(value: f64) -> String {
     if value.is_nan() {
@@ -31,6 +46,14 @@ impl Cell {
         match self {
             Self::Number(value) => number(*value),
             Self::Word(word) => word.clone(),
+        }
+    }
+
+    /// The number, if it is one.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Word(_) => None,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! `snowgrain optics wet`.
 
+use super::cases::{Share, find_all};
+use super::plot::{self, Chart, Charts, Keys, Line, Scale, lines_of};
 use super::snow::zenith;
-use super::table::{Cell, Table};
+use super::table::{Cell, Table, check_rows};
 use crate::arguments::WetArguments;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -12,7 +14,8 @@ use snowgrain_optics::sphere::{self, Polarisation};
 use snowgrain_optics::theory::{self, SingleScattering};
 use snowgrain_optics::{Dielectric, water};
 use snowgrain_render::laboratory::{
-    AlbedoSettings, Incidence, SnowLayer, SnowStack, WetLayer, WetSettings, homogeneous_albedo,
+    AlbedoSettings, Incidence, SnowLayer, SnowStack, Tell, WetLayer, WetSettings,
+    homogeneous_albedo,
 };
 
 const COLUMNS: [&str; 14] = [
@@ -45,14 +48,44 @@ pub(super) fn run(arguments: &WetArguments) -> Result<u8, Failure> {
         || WetLayer::new(arguments.radius, arguments.density, arguments.depth, arguments.seed);
     let layer = pool.install(make)?;
     let saturations = saturations(arguments, &layer)?;
-    let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
-    for (index, &saturation) in saturations.iter().enumerate() {
-        progress.stage(&format!("water {} of {}", index + 1, saturations.len()));
-        pool.install(|| add_rows(&mut table, arguments, &layer, saturation));
-    }
+    check_rows(&[3, saturations.len(), arguments.wavelengths.0.len()])?;
+    let find = |&saturation: &f64, tell: Tell<'_>| Ok(rows(arguments, &layer, saturation, tell));
+    let share = |_: &f64| Share::Together;
+    let found = find_all((&progress, &pool, "wet snow"), &saturations, share, find)?;
     progress.finish();
+    let rows = found.into_iter().flatten().collect();
+    let table = Table { names: COLUMNS.to_vec(), rows };
     table.tell_with(&[], arguments.format, arguments.output.as_deref())?;
+    if let Some(file) = &arguments.plot {
+        plot::write(file, &charts(&table))?;
+    }
     Ok(0)
+}
+
+fn charts(table: &Table) -> Charts {
+    const KEYS: Keys = &[
+        ("model", "", ""),
+        ("wavelength_nm", "", " nm"),
+        ("radius_um", "r ", " µm"),
+        ("density_kg_m3", "", " kg/m³"),
+        ("depth_m", "depth ", " m"),
+        ("sza_deg", "sun ", "°"),
+    ];
+    let lines = |part: &'static str, error: &'static str| {
+        lines_of(table, KEYS, move |cell| {
+            let number = |name: &str| cell(name)?.number();
+            Some((part.to_owned(), [number("saturation")?, number(part)?, number(error)?]))
+        })
+    };
+    let ((mut all, alike), (transmitted, _)) = (lines("R", "R_stderr"), lines("T", "T_stderr"));
+    all.extend(transmitted.into_iter().map(|line| Line { dashed: true, ..line }));
+    let chart = Chart {
+        names: ["part of the pores filled with water", "part of the light"],
+        scales: [Scale::Linear, Scale::Linear],
+        y_range: Some([0.0, 1.0]),
+        lines: all,
+    };
+    Charts { title: "Wet snow".into(), subtitle: alike, charts: vec![chart] }
 }
 
 /// The saturations that were asked for, one way or another.
@@ -78,7 +111,13 @@ fn incidence(arguments: &WetArguments) -> Incidence {
 }
 
 /// The lines of one amount of water.
-fn add_rows(table: &mut Table, arguments: &WetArguments, layer: &WetLayer, saturation: f64) {
+fn rows(
+    arguments: &WetArguments,
+    layer: &WetLayer,
+    saturation: f64,
+    tell: Tell<'_>,
+) -> Vec<Vec<Cell>> {
+    let mut rows = Vec::new();
     let settings = WetSettings {
         wavelengths_nm: arguments.wavelengths.0.clone(),
         incidence: incidence(arguments),
@@ -88,7 +127,7 @@ fn add_rows(table: &mut Table, arguments: &WetArguments, layer: &WetLayer, satur
     };
     let mut row = |model: &str, wavelength: f64, [r, r_error, t, t_error]: [f64; 4]| {
         let number = Cell::Number;
-        table.rows.push(vec![
+        rows.push(vec![
             Cell::Word(model.into()),
             number(wavelength),
             number(arguments.radius * 1e6),
@@ -110,6 +149,7 @@ fn add_rows(table: &mut Table, arguments: &WetArguments, layer: &WetLayer, satur
         let values = [r.mean, r.standard_error, t.mean, t.standard_error];
         row("films", albedo.wavelength_nm, values);
     }
+    tell(0.9);
     for (wavelength, values) in larger_grains(arguments, layer, saturation) {
         row("larger-grains", wavelength, values);
     }
@@ -117,6 +157,7 @@ fn add_rows(table: &mut Table, arguments: &WetArguments, layer: &WetLayer, satur
         let fluxes = submerged(arguments, saturation, wavelength);
         row("submerged", wavelength, [fluxes.reflectance, 0.0, fluxes.transmittance, 0.0]);
     }
+    rows
 }
 
 /// The layer of spheres with the surface and volume of what borders on air; nothing where no air is left.
@@ -149,7 +190,7 @@ fn larger_grains(
         seed: arguments.seed,
         level: arguments.machine.simd.unwrap_or_else(SimdLevel::detect),
     };
-    homogeneous_albedo(&stack, &settings, &mut |_, _| ())
+    homogeneous_albedo(&stack, &settings, &|_| ())
         .into_iter()
         .map(|albedo| {
             let (r, t) = (albedo.reflectance, albedo.transmittance);

@@ -97,6 +97,7 @@ impl<'a> BlockFlight<'a> {
         let (group, at) = self.lane_mut(lane);
         set(&mut group.position, at, place.local);
         set(&mut group.cell, at, place.cell);
+        set(&mut group.periods, at, [0; 3]);
         set(&mut group.direction, at, unit_f32(direction));
         group.cos_outside[at] = -1.0;
         group.turns[at] = 0;
@@ -158,6 +159,12 @@ impl<'a> BlockFlight<'a> {
     pub(super) fn place(&self, lane: usize) -> GridPosition {
         let (group, at) = self.lane(lane);
         group.place(at)
+    }
+
+    /// Periods that the path of `lane` has crossed along each axis.
+    pub(super) fn periods(&self, lane: usize) -> [i32; 3] {
+        let (group, at) = self.lane(lane);
+        get(&group.periods, at)
     }
 
     pub(super) fn direction(&self, lane: usize) -> [f32; 3] {

@@ -23,6 +23,8 @@ pub(super) struct Group {
     /// Of unit length; for paths `inside`, what `sphere` keeps in its place.
     pub(super) direction: [[f32; GROUP]; 3],
     pub(super) cell: [[i32; GROUP]; 3],
+    /// Periods crossed along each axis since the path entered the grid.
+    pub(super) periods: [[i32; GROUP]; 3],
     /// Centre of the grain that the path is in, relative to the path's cell.
     pub(super) grain: [[f32; GROUP]; 3],
     /// Radius of that grain, with its flags.
@@ -181,6 +183,7 @@ impl Group {
             set(mine, to, get(theirs, from));
         }
         set(&mut self.cell, to, get(&source.cell, from));
+        set(&mut self.periods, to, get(&source.periods, from));
         set(&mut self.found_grain, to, get(&source.found_grain, from));
         self.found_radius[to] = source.found_radius[from];
         self.found_stratum[to] = source.found_stratum[from];

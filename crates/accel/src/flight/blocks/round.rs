@@ -143,6 +143,7 @@ impl BlockFlight<'_> {
                 return;
             }
             group.cell[axis][at] = cell.rem_euclid(n);
+            group.periods[axis][at] += cell.div_euclid(n);
         }
         if let Storage::Packed(cells) = grid.storage() {
             let cell = group.place(at).cell;

@@ -153,6 +153,11 @@ impl<'a> CrystalFlight<'a> {
         }
     }
 
+    /// How far the place of the path of `lane` is from that in the first period, quanta.
+    pub(super) fn beyond_first_period(&self, lane: usize) -> DVec3 {
+        self.sites.beyond_first_period(self.place(lane).cell)
+    }
+
     pub(super) fn direction(&self, lane: usize) -> [f32; 3] {
         let (group, at) = self.lane(lane);
         group.direction.map(|direction| direction[at])
