@@ -110,6 +110,13 @@ impl Account {
         true
     }
 
+    /// A random number in [0, 1) of the path's present grain that nothing else uses.
+    pub(super) fn spare_number(&self, lane: usize, seed: u64) -> f32 {
+        // Beyond the numbers of roulettes.
+        let grain = 1 << 32 | u64::from(self.visits[lane]);
+        numbers(PathKey::new(seed, grain, self.path_word(lane)), 0)[0]
+    }
+
     /// A number of the path, for random numbers beside those of its events.
     fn path_word(&self, lane: usize) -> u64 {
         u64::from(self.key[0][lane]) << 32 | u64::from(self.key[1][lane])

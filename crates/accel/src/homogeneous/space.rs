@@ -62,6 +62,8 @@ pub struct Meeting<'a> {
     pub ice_lengths: &'a [f64],
     /// Grains that it met before.
     pub grain_visits: u32,
+    /// A random number in [0, 1) that nothing else uses.
+    pub number: f32,
 }
 
 /// A path that has ended.
@@ -229,6 +231,7 @@ impl Paths {
                 weight: self.account.weight(lane),
                 ice_lengths: &self.account.ice_lengths(lane, count)[..count],
                 grain_visits: self.account.visits[lane],
+                number: self.account.spare_number(lane, layers.seed),
             });
         }
     }

@@ -24,6 +24,9 @@ const FIRST_BATCHES: u64 = 32;
 const PHASE_BINS: usize = 1 << 12;
 /// Optical depths along the way out from which less than 2e-7 of the light comes: not counted.
 const DEEPEST: f32 = 16.0;
+/// Below this optical depth little light escapes: of the meetings some are left out, half as fast as it
+/// falls off, and the others count so much more.
+const SHALLOW: f32 = 3.0;
 
 /// A direction from which snow is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -311,14 +314,15 @@ struct Seen<'a> {
 impl Seen<'_> {
     /// Adds the light that a meeting sends into every view.
     fn add(&mut self, meeting: &Meeting<'_>) {
-        if meeting.grain_visits == 0 {
+        let kept = trig::exp_f32((0.5 * (SHALLOW - meeting.depth)).min(0.0));
+        if meeting.grain_visits == 0 || meeting.number >= kept {
             return;
         }
         let search = self.search;
         for (index, left) in self.left.iter_mut().enumerate() {
             let lengths = meeting.ice_lengths.iter().zip(&search.absorptions);
             let dark: f64 = lengths.map(|(length, of)| length * of[index]).sum();
-            *left = meeting.weight * trig::exp_f32(-dark as f32);
+            *left = meeting.weight / kept * trig::exp_f32(-dark as f32);
         }
         for (escape, slant) in self.escapes.iter_mut().zip(&search.slants) {
             *escape = trig::exp_f32(-meeting.depth / slant);

@@ -23,8 +23,6 @@ pub(super) struct Group {
     /// Of unit length; for paths `inside`, what `sphere` keeps in its place.
     pub(super) direction: [[f32; GROUP]; 3],
     pub(super) cell: [[i32; GROUP]; 3],
-    /// Periods crossed along each axis since the path entered the grid.
-    pub(super) periods: [[i32; GROUP]; 3],
     /// Centre of the grain that the path is in, relative to the path's cell.
     pub(super) grain: [[f32; GROUP]; 3],
     /// Radius of that grain, with its flags.
@@ -58,6 +56,8 @@ pub(super) struct Group {
     pub(super) visits: [u32; GROUP],
     /// Interfaces met since the path was last in air.
     pub(super) turns: [u32; GROUP],
+    /// Periods crossed along each axis since the path entered the grid.
+    pub(super) periods: [[i32; GROUP]; 3],
     /// Paths in air, looking for the next grain.
     pub(super) air: u32,
     /// Paths at the end of a chord of a grain that others overlap or that meets a surface: interface,
