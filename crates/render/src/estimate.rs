@@ -23,6 +23,9 @@ const FAST_BYTES_PER_GRAIN: f64 = 110.0;
 const COMPACT_BYTES_PER_GRAIN: f64 = 60.0;
 /// Bytes a grain while it falls and is written: the stacks (measured 13 to 20).
 const FALL_BYTES_PER_GRAIN: f64 = 24.0;
+/// Bytes a grain that is noted by its stratum until all are packed: a table that is at worst a quarter
+/// full after it grew, and a list.
+const BYTES_PER_NOTED_GRAIN: f64 = 45.0;
 /// Edges of the packed grid's cells and bricks where snow is thin (`snowgrain_accel::GrainGrid`).
 const SIDE_IN_RADII: f64 = 4.0;
 const CELLS_PER_BRICK_EDGE: f64 = 8.0;
@@ -100,6 +103,10 @@ impl CostEstimate {
         }
         if implicit(description, &objects) {
             (cost.grain_bytes, cost.building_bytes, cost.build_seconds) = (0, 0, 0.0);
+        }
+        if !description.strata.loads.is_empty() {
+            let noted = (cost.grains as f64 * BYTES_PER_NOTED_GRAIN) as u64;
+            cost.building_bytes = cost.building_bytes.saturating_add(noted);
         }
         let kept = PixelSums::BYTES as u64 + Self::ice_path_bytes(description);
         cost.film_bytes = crop.area() * (FILMS * kept + PICTURE_BYTES_PER_PIXEL);
@@ -318,7 +325,7 @@ mod tests {
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
     use snowgrain_math::DAffine3;
-    use snowgrain_optics::Illuminant;
+    use snowgrain_optics::{Illuminant, Impurity, ImpurityKind, Load};
 
     const CROP: PixelRect = PixelRect::new(0, 0, 64, 48);
 
@@ -401,6 +408,18 @@ mod tests {
         let cropped = CostEstimate::of(&scene(vec![table()], Vec::new()), half);
         assert_eq!(cropped.film_bytes * 2, million.film_bytes);
         assert_eq!(cropped.grain_bytes, 0);
+    }
+
+    #[test]
+    fn strata_and_ice_paths_are_counted() {
+        let soot = Impurity { kind: ImpurityKind::BlackCarbon, load: Load::MassFraction(1e-6) };
+        let mut snow = scene(vec![table()], vec![lattice([9; 3], None)]);
+        let plain = CostEstimate::of(&snow, CROP);
+        snow.strata = Strata::of(&[vec![soot]]).unwrap();
+        snow.film.keep_ice_paths = true;
+        let more = CostEstimate::of(&snow, CROP);
+        assert_eq!(more.building_bytes - plain.building_bytes, 729 * 45);
+        assert_eq!(more.film_bytes - plain.film_bytes, CROP.area() * FILMS * 768);
     }
 
     #[test]

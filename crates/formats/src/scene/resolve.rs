@@ -58,12 +58,13 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let Loader { mesh, grains } = loader;
     let film = film(&checks)?;
     let camera = camera(&checks)?;
-    let ice = ice(&checks)?;
+    let mut ice = ice(&checks)?;
     let lights = lights(&checks)?;
     let objects = objects::objects(&checks, mesh)?;
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
-    let strata = strata(&checks, film.keep_ice_paths)?;
+    let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;
+    ice.impurities.extend(everywhere);
     if objects.is_empty() && snow.is_empty() {
         return Err(checks.missing("snow", "the scene is empty; add [[snow]] or [[object]]"));
     }
@@ -147,13 +148,21 @@ fn ice(checks: &Checks<'_>) -> Result<IceDescription, SceneError> {
     Ok(IceDescription { ior: ice.ior, pores, absorption: ice.absorption.0, impurities })
 }
 
-/// The impurities of single bodies of snow.
-fn strata(checks: &Checks<'_>, keeps_ice_paths: bool) -> Result<Strata, SceneError> {
+/// The impurities of bodies of snow: those that all have, and those of single ones.
+fn strata(
+    checks: &Checks<'_>,
+    keeps_ice_paths: bool,
+) -> Result<(Vec<Impurity>, Strata), SceneError> {
     let loads = |(index, snow): (usize, &super::document::SnowTable)| {
         impurities(checks, &format!("snow.{index}.impurities"), &snow.impurities)
     };
     let bodies: Vec<_> =
         checks.document().snow.iter().enumerate().map(loads).collect::<Result<_, _>>()?;
+    if let [first, others @ ..] = bodies.as_slice()
+        && others.iter().all(|other| other == first)
+    {
+        return Ok((first.clone(), Strata::default()));
+    }
     let strata = Strata::of(&bodies).ok_or_else(|| {
         let mend = format!(
             "at most {STRATA} loads may differ; give all snow what it shares by ice.impurities"
@@ -165,7 +174,7 @@ fn strata(checks: &Checks<'_>, keeps_ice_paths: bool) -> Result<Strata, SceneErr
                     same by ice.impurities";
         return Err(checks.misplaced("film.keep", mend));
     }
-    Ok(strata)
+    Ok((Vec::new(), strata))
 }
 
 /// The loads at a key.

@@ -86,6 +86,18 @@ fn colours_of_ice_light_and_film_arrive() {
 }
 
 #[test]
+fn impurities_that_all_snow_has_are_those_of_the_ice() {
+    let lone = read(LEAST, &["snow.impurities={ black-carbon = \"1 ppm\" }"]).unwrap();
+    assert_eq!(lone.ice.impurities.len(), 1);
+    assert!(lone.strata.loads.is_empty());
+    let second = "[[snow]]\nsource = \"deposit\"\ngrains = 5\nradius = 0.001\n\
+                  impurities = { volcanic-ash = \"9 ppm\" }\n";
+    let two = read(&format!("{LEAST}{second}"), &[]).unwrap();
+    assert!(two.ice.impurities.is_empty());
+    assert_eq!(two.strata.loads.len(), 1);
+}
+
+#[test]
 fn water_joins_the_grains_or_fills_the_pores() {
     let wet = read(LEAST, &["snow.wetness=0.331", "snow.variation=\"0.1 mm\""]).unwrap();
     let radii = deposit(&wet).radii;

@@ -314,9 +314,10 @@ fn ice_lights_and_objects_are_checked() {
     assert!(negative.contains("a load of -1 ppb of black-carbon is negative"), "{negative}");
     let counted = set("ice.impurities={ snow-algae = \"5 ppb\" }");
     assert!(counted.contains("cells in a millilitre"), "{counted}");
+    let two = format!("{LEAST}[[snow]]\nsource = \"deposit\"\ngrains = 5\nradius = 0.001\n");
     let both = refusal(
-        LEAST,
-        &["film.keep=[\"ice-paths\"]", "snow.impurities={ black-carbon = \"1ppm\" }"],
+        &two,
+        &["film.keep=[\"ice-paths\"]", "snow.0.impurities={ black-carbon = \"1ppm\" }"],
     );
     assert!(both.contains("film.keep") && both.contains("ice.impurities"), "{both}");
     assert!(set("snow.impurities={ coal = \"1ppm\" }").contains("snow.0.impurities"));
