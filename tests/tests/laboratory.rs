@@ -388,3 +388,56 @@ fn theories_come_as_near_as_they_are_known_to() {
         theoretical_albedo(Theory::BohrenBarkstrom, &stack, sun, Polarisation::Redrawn, 500.0);
     assert!(none.is_none());
 }
+
+/// Two layers of the same grains are one layer of twice the depth; impurities of one of them absorb there
+/// alone, as they do among grains that are met at random.
+#[test]
+fn grains_of_several_layers_are_traced_as_one_pack() {
+    let layer = |radius: f64, depth: f64, soot: f64| SnowLayer {
+        radius,
+        density: 200.0,
+        depth,
+        impurities: vec![Impurity {
+            kind: ImpurityKind::BlackCarbon,
+            load: Load::MassFraction(soot),
+        }],
+    };
+    let find = |layers: Vec<SnowLayer>| {
+        let stack = SnowStack { layers, ground_albedo: 0.4, ice: IceAbsorption::default() };
+        let settings = AlbedoSettings {
+            wavelengths_nm: vec![450.0, 900.0],
+            incidence: Incidence::Diffuse,
+            polarisation: Polarisation::Redrawn,
+            standard_error: 0.003,
+            relative_error_of_transmittance: f64::INFINITY,
+            most_paths: 1_000_000,
+            seed: 5,
+            level: SimdLevel::detect(),
+        };
+        let mut packed = GrainLayer::new(&stack, Pack::Random, 2).unwrap();
+        let exact = grain_albedo(&stack, &mut packed, &settings, &|_| ());
+        (exact, homogeneous_albedo(&stack, &settings, &|_| ()))
+    };
+    let (r, depth) = (0.2e-3, 6e-3);
+    let (whole, _) = find(vec![layer(r, 2.0 * depth, 0.0)]);
+    let (cut, _) = find(vec![layer(r, depth, 0.0), layer(r, depth, 0.0)]);
+    for (whole, cut) in whole.iter().zip(&cut) {
+        // Grains of a cut layer do not cross the cut, which changes it by a little.
+        let off = (whole.reflectance.mean - cut.reflectance.mean).abs();
+        assert!(off < 0.01 + 4.0 * 0.003 * 1.5, "{whole:?} {cut:?}");
+    }
+    let on_top = vec![layer(0.1e-3, 2e-3, 3e-6), layer(0.3e-3, depth, 0.0)];
+    let below: Vec<SnowLayer> = vec![layer(0.1e-3, 2e-3, 0.0), layer(0.3e-3, depth, 3e-6)];
+    let absorbed = [on_top, below].map(|layers| {
+        let (exact, random) = find(layers);
+        // Packed grains let more through than grains that are met at random, by some per cent.
+        for (exact, random) in exact.iter().zip(&random) {
+            let off = (exact.reflectance.mean - random.reflectance.mean).abs();
+            assert!(off < 0.03, "{exact:?} {random:?}");
+            assert!((exact.absorptance / random.absorptance - 1.0).abs() < 0.06);
+        }
+        exact[0].absorptance
+    });
+    // Most of the ice lies below.
+    assert!(absorbed[1] > 1.5 * absorbed[0], "{absorbed:?}");
+}

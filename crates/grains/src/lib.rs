@@ -38,7 +38,7 @@ pub use field::GrainField;
 pub use lattice::{LatticeCell, lattice_grains};
 pub use layers::{LayerSettings, Layers, Stacking};
 pub use measures::{Extent, PackReport, Slab};
-pub use random::{RandomSettings, random_pack};
+pub use random::{RandomLayer, RandomSettings, random_layers, random_pack};
 pub use settings::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeKind, LatticeSettings, Radii,
 };

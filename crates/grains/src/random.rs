@@ -16,8 +16,11 @@ const MOST_FILLED: f64 = 0.35;
 const MOST_DRAWS: u64 = 50_000_000;
 /// Most cells of two radii: a gigabyte of them.
 const MOST_CELLS: f64 = 5e7;
-/// Grains that a cell of two radii can hold: no more of that distance fit into it.
-const GRAINS_PER_CELL: usize = 8;
+/// Grains that a cell can hold at most: with edges below two diameters no more of that distance fit into
+/// it.
+const GRAINS_PER_CELL: usize = 27;
+/// Least radius of grains beside larger ones, in quanta.
+const LEAST_RADIUS_QUANTA: f64 = 32.0;
 
 /// A pack to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,38 +37,98 @@ pub struct RandomSettings {
     pub seed: u64,
 }
 
+/// A layer of a pack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RandomLayer {
+    /// Radius of its grains, metres.
+    pub radius: f64,
+    /// Density, kg/m^3: that of the grains between its faces.
+    pub density: f64,
+    /// Depth, metres; grains lie wholly within it.
+    pub depth: f64,
+}
+
 /// The pack, and its periods along x and z in quanta.
 ///
 /// # Errors
 /// A density that is not reached so (with the highest that is), or a depth or width that holds no
 /// grain.
 pub fn random_pack(settings: &RandomSettings) -> Result<(GrainField, [i64; 2]), GrainsError> {
+    let RandomSettings { radius, density, depth, width, seed } = *settings;
+    let layer = RandomLayer { radius, density, depth };
+    random_layers(&[layer], width, seed).map(|(field, period, _)| (field, period))
+}
+
+/// Layers from the top down, the last on y = 0, in a period of at least `width` metres along x and z: the
+/// grains, the periods in quanta, and of each grain the number of its layer from the top, from 0.
+///
+/// # Errors
+/// As [`random_pack`]; no layers; grains so much smaller than others that rounding would change them.
+pub fn random_layers(
+    layers: &[RandomLayer],
+    width: f64,
+    seed: u64,
+) -> Result<(GrainField, [i64; 2], Vec<u8>), GrainsError> {
+    let largest = layers.iter().map(|layer| layer.radius).fold(0.0, f64::max);
+    if largest <= 0.0 {
+        return Err(GrainsError::setting("radius", "there is no grain"));
+    }
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, largest);
+    let quantum = quantisation.quantum();
+    let side = 2 * i64::from(Quantisation::MAX_RADIUS_QUANTA);
+    let across = (width / quantum / side as f64).ceil().max(3.0);
+    let width = (across * side as f64) as i64;
+    let (mut grains, mut numbers) = (Vec::new(), Vec::new());
+    let mut bottom = 0;
+    for (number, layer) in layers.iter().enumerate().rev() {
+        let radius = match quantisation.round(DVec3::ZERO, layer.radius) {
+            Ok(grain) if f64::from(grain.radius) >= LEAST_RADIUS_QUANTA => grain.radius,
+            _ => {
+                let reason = format!("{} m is too small beside {largest} m", layer.radius);
+                return Err(GrainsError::setting("radius", reason));
+            }
+        };
+        let seed = seed as u32 ^ (number as u32).wrapping_mul(0x9E37_79B9);
+        let centers = place(layer, (i64::from(radius), width, quantum), seed)?;
+        numbers.resize(numbers.len() + centers.len(), number as u8);
+        grains.extend(centers.into_iter().map(|[x, y, z]| QuantisedGrain {
+            center: [x, y + bottom, z].map(|c| c as i32),
+            radius,
+        }));
+        bottom += (layer.depth / quantum).round() as i64;
+    }
+    Ok((GrainField::new(quantisation, grains), [width; 2], numbers))
+}
+
+/// Centres of the grains of a layer on y = 0, in quanta.
+fn place(
+    layer: &RandomLayer,
+    (radius, width, quantum): (i64, i64, f64),
+    seed: u32,
+) -> Result<Vec<[i64; 3]>, GrainsError> {
     let most = MOST_FILLED * ICE_DENSITY;
-    if !(settings.density > 0.0 && settings.density <= most) {
+    if !(layer.density > 0.0 && layer.density <= most) {
         let reason = format!(
             "{} kg/m^3 is out of reach for grains at random places: ask for at most {most:.0}, or for \
              a lattice or a rule that packs more closely",
-            settings.density
+            layer.density
         );
         return Err(GrainsError::setting("density", reason));
     }
-    let quantisation = Quantisation::for_grains(DVec3::ZERO, settings.radius);
-    let quantum = quantisation.quantum();
-    let radius = i64::from(Quantisation::MAX_RADIUS_QUANTA);
     let side = 2 * radius;
-    let cells = |length: f64| (length / quantum / side as f64).ceil();
-    let (across, up) = (cells(settings.width).max(3.0), cells(settings.depth));
-    if !(settings.depth / quantum >= side as f64 && across * across * up < MOST_CELLS) {
-        let reason = format!("{} m is less than a grain, or too much", settings.depth);
+    let across = width / side;
+    let up = (layer.depth / quantum / side as f64).ceil();
+    let cells = across as f64 * across as f64 * up;
+    if !(layer.depth / quantum >= side as f64 && cells < MOST_CELLS) {
+        let reason = format!("{} m is less than a grain, or too much", layer.depth);
         return Err(GrainsError::setting("depth", reason));
     }
-    let width = across as i64 * side;
-    let depth = (settings.depth / quantum).round() as i64;
+    let depth = (layer.depth / quantum).round() as i64;
     let volume = width as f64 * width as f64 * depth as f64;
     let ball =
         4.0 / 3.0 * core::f64::consts::PI * (radius as f64) * (radius as f64) * radius as f64;
-    let count = (settings.density / ICE_DENSITY * volume / ball).round() as u64;
-    let mut pack = Pack::new([across as i64, up as i64], side);
+    let count = (layer.density / ICE_DENSITY * volume / ball).round() as u64;
+    let mut pack = Pack::new([across, up as i64], side, width);
     let mut draw = 0u64;
     for number in 0..count {
         let first = draw;
@@ -75,7 +138,7 @@ pub fn random_pack(settings: &RandomSettings) -> Result<(GrainField, [i64; 2]), 
                     format!("the pack jams after {number} of {count} grains; ask for less");
                 return Err(GrainsError::setting("density", reason));
             }
-            let [x, y, z] = pcg3d(draw as u32, (draw >> 32) as u32 ^ settings.seed as u32, 0x5EED);
+            let [x, y, z] = pcg3d(draw as u32, (draw >> 32) as u32 ^ seed, 0x5EED);
             draw += 1;
             let below = |word: u32, range: i64| (i64::from(word) * range) >> 32;
             let center = [below(x, width), radius + below(y, depth - side + 1), below(z, width)];
@@ -84,33 +147,31 @@ pub fn random_pack(settings: &RandomSettings) -> Result<(GrainField, [i64; 2]), 
             }
         }
     }
-    let grain = |center: [i64; 3]| QuantisedGrain {
-        center: center.map(|c| c as i32),
-        radius: Quantisation::MAX_RADIUS_QUANTA,
-    };
-    let grains = pack.cells.iter().flatten().map(|&center| grain(center)).collect();
-    Ok((GrainField::new(quantisation, grains), [width; 2]))
+    Ok(pack.cells.into_iter().flatten().collect())
 }
 
-/// Grains in cubic cells whose edge is their diameter.
+/// Grains in cells whose edges are their diameter or, along x and z, a little more.
 struct Pack {
     /// Cells along x and z, and along y.
     across: i64,
     up: i64,
+    /// Diameter of the grains, and the period.
     side: i64,
+    width: i64,
     cells: Vec<Vec<[i64; 3]>>,
 }
 
 impl Pack {
-    fn new([across, up]: [i64; 2], side: i64) -> Self {
+    fn new([across, up]: [i64; 2], side: i64, width: i64) -> Self {
         let cells = vec![Vec::new(); (across * across * up) as usize];
-        Self { across, up, side, cells }
+        Self { across, up, side, width, cells }
     }
 
     /// Adds a grain, unless it overlaps another.
     fn add(&mut self, center: [i64; 3]) -> bool {
-        let [x, y, z] = center.map(|c| c / self.side);
-        let width = self.across * self.side;
+        let width = self.width;
+        let [x, z] = [center[0], center[2]].map(|c| c * self.across / width);
+        let y = center[1] / self.side;
         for (dx, dy, dz) in NEIGHBOURS {
             let row = y + dy;
             if !(0..self.up).contains(&row) {
@@ -185,6 +246,36 @@ mod tests {
             let found = connections(&field, Some([width; 2]), &|_| true);
             assert_eq!((found.overlaps_per_grain, found.greatest_overlap_depth), (0.0, 0.0));
         }
+    }
+
+    #[test]
+    fn layers_lie_on_each_other_and_are_told_apart() {
+        let layers = [
+            RandomLayer { radius: 0.37 * R, density: 150.0, depth: 5.0 * R },
+            RandomLayer { radius: R, density: 280.0, depth: 8.0 * R },
+        ];
+        let (field, [width, _], numbers) = random_layers(&layers, 30.0 * R, 3).unwrap();
+        let width = width as f64 * field.quantisation.quantum();
+        assert_eq!(field.len(), numbers.len());
+        for (number, (layer, floor)) in layers.iter().zip([8.0 * R, 0.0]).enumerate() {
+            let grains = field.iter().zip(&numbers).filter(|(_, n)| usize::from(**n) == number);
+            let mut volume = 0.0;
+            for (grain, _) in grains {
+                let off = (grain.radius / layer.radius - 1.0).abs();
+                let reach = layer.radius * (1.0 - 2e-3);
+                assert!(off < 1e-3 && grain.center.y >= floor + reach, "{grain:?}");
+                assert!(grain.center.y <= floor + layer.depth - reach, "{grain:?}");
+                volume +=
+                    4.0 / 3.0 * core::f64::consts::PI * grain.radius * grain.radius * grain.radius;
+            }
+            let reached = volume * ICE_DENSITY / (width * width * layer.depth);
+            assert!((reached / layer.density - 1.0).abs() < 0.01, "{reached}");
+        }
+        let found = connections(&field, Some([width; 2]), &|_| true);
+        assert_eq!(found.overlaps_per_grain, 0.0);
+        assert!(random_layers(&[], 30.0 * R, 3).is_err());
+        let dust = RandomLayer { radius: 1e-4 * R, ..layers[0] };
+        assert!(random_layers(&[layers[1], dust], 30.0 * R, 3).is_err());
     }
 
     #[test]

@@ -301,7 +301,8 @@ pub(crate) struct SearchArguments {
 pub(crate) enum Method {
     /// Monte Carlo through grains that are met at random, by the closed form of a sphere
     Homogeneous,
-    /// Exact Monte Carlo through packed grains: one layer of finite depth (see --pack)
+    /// Exact Monte Carlo through packed grains, of finite depth: up to seven layers at random places, one in
+    /// a lattice (see --pack)
     Grains,
     /// Wiscombe and Warren 1980, delta-Eddington
     WiscombeWarren,

@@ -45,8 +45,6 @@ pub enum FlightEvent {
 pub struct Travelled {
     /// Length in ice.
     pub ice_length: f64,
-    /// Of it, that in grains of each stratum from 1 on.
-    pub ice_in_strata: [f64; STRATA],
     /// Length in air inside the grid.
     pub air_length: f64,
     /// Arrivals at grains from outside.
@@ -189,6 +187,18 @@ impl<'a> Flight<'a> {
             Engine::Crystal(flight) => flight.beyond_first_period(lane) * self.grid.quantum(),
         };
         Ray::new(self.grid.world(place) + beyond, direction)
+    }
+
+    /// Length in ice of grains of each stratum from 1 on that the path of `lane` has travelled, metres.
+    #[inline]
+    #[must_use]
+    pub fn ice_in_strata(&self, lane: usize) -> [f64; STRATA] {
+        match &self.engine {
+            Engine::Blocks(flight) if !self.grid.strata().is_empty() => {
+                flight.ice_in_strata(lane, self.grid.quantum())
+            }
+            Engine::Blocks(_) | Engine::Crystal(_) => [0.0; STRATA],
+        }
     }
 
     /// What the path of `lane` has done so far.

@@ -387,6 +387,25 @@ impl GrainGrid {
         build::build(quantisation, grains.into(), (&surfaces, &[]), Some(period_quanta), packing)
     }
 
+    /// As [`Self::build_periodic`], with strata as [`Self::build_in_strata`].
+    ///
+    /// # Errors
+    /// As there.
+    ///
+    /// # Panics
+    /// As there.
+    pub fn build_periodic_in_strata<'a>(
+        quantisation: Quantisation,
+        grains: impl Into<GrainParts<'a>>,
+        period_quanta: [i64; 2],
+        packing: Packing,
+        strata: &[u8],
+    ) -> Result<Self, GridError> {
+        assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
+        let around = (&Surfaces::default(), strata);
+        build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
+    }
+
     /// A crystal lattice of `counts` conventional cells whose first has its low corner at the
     /// lattice coordinate `first`; no memory, or that of one cell's blocks where grains overlap or
     /// are not all alike (hexagonal lattices). `periodic` repeats it for ever along an axis.

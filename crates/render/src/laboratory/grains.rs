@@ -7,9 +7,9 @@ use crate::measure::{self, SlabSettings};
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
 use crate::{RenderError, World};
 use rayon::prelude::*;
-use snowgrain_accel::{GrainGrid, Packing, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, STRATA, Surfaces};
 use snowgrain_grains::{
-    GrainsError, ICE_DENSITY, LayerSettings, RandomSettings, Stacking, random_pack,
+    GrainField, GrainsError, ICE_DENSITY, LayerSettings, RandomLayer, Stacking, random_layers,
 };
 use std::ops::Range;
 
@@ -18,14 +18,15 @@ const WIDTH_IN_RADII: f64 = 40.0;
 /// Paths that a thread follows at a time.
 const PATHS_PER_TASK: u64 = 1 << 12;
 
-/// A layer of equal grains, packed for light.
+/// Layers of equal grains, packed for light.
 #[derive(Debug)]
 pub struct GrainLayer {
     world: World,
     period: [f64; 2],
     /// Height of the upper face; the lower one is at 0.
     depth: f64,
-    radius: f64,
+    /// Of the grains of each layer, from the top down.
+    radii: Vec<f64>,
 }
 
 /// How grains are packed.
@@ -51,17 +52,22 @@ impl Pack {
 }
 
 impl GrainLayer {
-    /// About how many grains the first layer of `stack` takes; those of infinite depth are none.
+    /// About how many grains the layers of `stack` take; those of infinite depth are none.
     #[must_use]
     pub fn grains(stack: &SnowStack, pack: Pack) -> u64 {
-        let Some(layer) = stack.layers.first().filter(|layer| layer.depth.is_finite()) else {
-            return 0;
+        let width = width_of(stack);
+        let of_layer = |layer: &SnowLayer| {
+            if layer.depth.is_infinite() {
+                return 0.0;
+            }
+            if pack != Pack::Random {
+                return layer.depth / layer.radius;
+            }
+            let r = layer.radius;
+            let ball = 4.0 / 3.0 * core::f64::consts::PI * r * r * r;
+            layer.density / ICE_DENSITY * width * width * layer.depth / ball
         };
-        if pack != Pack::Random {
-            return (layer.depth / layer.radius) as u64;
-        }
-        let columns = WIDTH_IN_RADII * WIDTH_IN_RADII * layer.depth / layer.radius;
-        (layer.density / ICE_DENSITY * columns / (4.0 / 3.0 * core::f64::consts::PI)) as u64
+        stack.layers.iter().map(of_layer).sum::<f64>() as u64
     }
 
     /// The stack of which [`Self::new`] makes grains: the depth of a lattice becomes that of whole layers.
@@ -69,39 +75,42 @@ impl GrainLayer {
     /// # Errors
     /// Several layers, infinite depth, a density that the pack does not reach.
     pub fn packed(stack: &SnowStack, pack: Pack) -> Result<SnowStack, RenderError> {
-        let layer = only_layer(stack)?;
         let Some(stacking) = pack.stacking() else { return Ok(stack.clone()) };
+        let layer = only_layer(stack)?;
         let layers = layer_settings(layer, stacking).layers()?;
         let depth = f64::from(layers.count) * layers.step;
         Ok(SnowStack { layers: vec![SnowLayer { depth, ..layer.clone() }], ..stack.clone() })
     }
 
-    /// The only layer of `stack`, packed (see `snowgrain_grains::{random, layers}`).
+    /// The layers of `stack`, packed (see `snowgrain_grains::{random, layers}`): several at random places,
+    /// one in a lattice.
     ///
     /// # Errors
-    /// Several layers, infinite depth, a density that the pack does not reach.
+    /// Several layers of a lattice, more than [`STRATA`], infinite depth, a density that the pack does not
+    /// reach.
     pub fn new(stack: &SnowStack, pack: Pack, seed: u64) -> Result<Self, RenderError> {
-        let layer = only_layer(stack)?;
-        let SnowLayer { radius, density, depth, .. } = *layer;
-        let (field, period, depth) = match pack.stacking() {
-            None => {
-                let width = WIDTH_IN_RADII * radius;
-                let settings = RandomSettings { radius, density, depth, width, seed };
-                let (field, period) = random_pack(&settings)?;
-                (field, period, depth)
-            }
+        let (field, period, depth, strata) = match pack.stacking() {
+            None => random_places(stack, seed)?,
             Some(stacking) => {
+                let layer = only_layer(stack)?;
                 let settings = layer_settings(layer, stacking);
                 let (field, period) = settings.slab()?;
-                (field, period, settings.layers()?.depth(radius))
+                (field, period, settings.layers()?.depth(layer.radius), Vec::new())
             }
         };
         let quantum = field.quantisation.quantum();
-        let grains = field.grains();
-        let grid = GrainGrid::build_periodic(field.quantisation, &*grains, period, Packing::Fast)?;
+        let (grains, quantisation) = (field.grains(), field.quantisation);
+        let grid = GrainGrid::build_periodic_in_strata(
+            quantisation,
+            &*grains,
+            period,
+            Packing::Fast,
+            &strata,
+        )?;
         let surfaces = Surfaces::default();
         let world = World { grid, surfaces, albedos: Vec::new(), eta: 1.31 };
-        Ok(Self { world, period: period.map(|length| length as f64 * quantum), depth, radius })
+        let radii = stack.layers.iter().map(|layer| layer.radius).collect();
+        Ok(Self { world, period: period.map(|length| length as f64 * quantum), depth, radii })
     }
 
     /// The ice is of this refractive index from now on.
@@ -157,30 +166,67 @@ impl GrainLayer {
             .map(|task| {
                 let first = paths.start + task * PATHS_PER_TASK;
                 let end = (first + PATHS_PER_TASK).min(paths.end);
-                let (ends, radius) = (Ends::of(1), self.radius);
-                let mut source = LengthSource { slab: &slab, next: first, end, radius, ends };
+                let (ends, radii) = (Ends::of(self.radii.len()), &self.radii);
+                let mut source = LengthSource { slab: &slab, next: first, end, radii, ends };
                 trace(&self.world, settings.level, &mut source);
                 round.add(end - first);
                 source.ends
             })
             .collect();
-        let mut all = Ends::of(1);
+        let mut all = Ends::of(self.radii.len());
         parts.iter().for_each(|ends| all.merge(ends));
         all
     }
 }
 
+fn unfit(key: &'static str, reason: String) -> RenderError {
+    RenderError::from(GrainsError::Setting { key, reason })
+}
+
+fn not_deep() -> RenderError {
+    unfit("depth", "grains need a depth; ask for one, as 10cm".into())
+}
+
 /// # Errors
 /// Several layers, infinite depth.
 fn only_layer(stack: &SnowStack) -> Result<&SnowLayer, RenderError> {
-    let unfit = |key: &'static str, reason: &str| {
-        Err(RenderError::from(GrainsError::Setting { key, reason: reason.into() }))
-    };
     match &stack.layers[..] {
         [layer] if layer.depth.is_finite() => Ok(layer),
-        [_] => unfit("depth", "grains need a depth; ask for one, as 10cm"),
-        _ => unfit("layers", "grains are traced in one layer; ask for one"),
+        [_] => Err(not_deep()),
+        _ => Err(unfit("layers", "a lattice is traced in one layer; ask for --pack random".into())),
     }
+}
+
+/// Period along x and z, metres.
+fn width_of(stack: &SnowStack) -> f64 {
+    WIDTH_IN_RADII * stack.layers.iter().map(|layer| layer.radius).fold(0.0, f64::max)
+}
+
+/// Grains, periods in quanta, depth in metres, and the stratum of each grain: from 1 for the top layer on,
+/// and none where there is one layer.
+type Placed = (GrainField, [i64; 2], f64, Vec<u8>);
+
+/// # Errors
+/// Too many layers, infinite depth, a density that random places do not reach.
+fn random_places(stack: &SnowStack, seed: u64) -> Result<Placed, RenderError> {
+    if stack.is_deep() {
+        return Err(not_deep());
+    }
+    if stack.layers.len() > STRATA {
+        let reason = format!("grains are traced in at most {STRATA} layers; ask for fewer");
+        return Err(unfit("layers", reason));
+    }
+    let layer = |layer: &SnowLayer| {
+        let SnowLayer { radius, density, depth, .. } = *layer;
+        RandomLayer { radius, density, depth }
+    };
+    let layers: Vec<RandomLayer> = stack.layers.iter().map(layer).collect();
+    let (field, period, numbers) = random_layers(&layers, width_of(stack), seed)?;
+    let strata = match layers[..] {
+        [_] => Vec::new(),
+        _ => numbers.iter().map(|number| number + 1).collect(),
+    };
+    Ok((field, period, layers.iter().map(|layer| layer.depth).sum(), strata))
 }
 
 fn layer_settings(layer: &SnowLayer, stacking: Stacking) -> LayerSettings {
@@ -200,7 +246,8 @@ struct LengthSource<'a> {
     slab: &'a SlabSettings,
     next: u64,
     end: u64,
-    radius: f64,
+    /// Of the layers from the top down.
+    radii: &'a [f64],
     ends: Ends,
 }
 
@@ -216,7 +263,17 @@ impl PathSource for LengthSource<'_> {
     fn finish(&mut self, (): (), path: &PathResult) {
         let PathEnd::Escaped(ray) = path.end else { return };
         let through = (ray.direction.y > 0.0) == self.slab.from_below;
-        self.ends.add(1.0, through, &[path.ice_length / self.radius]);
+        if let [radius] = self.radii {
+            return self.ends.add(1.0, through, &[path.ice_length / radius]);
+        }
+        let mut lengths: [f64; STRATA] = path.ice_in_strata;
+        let lengths = &mut lengths[..self.radii.len()];
+        lengths.iter_mut().zip(self.radii).for_each(|(length, radius)| *length /= radius);
+        if self.slab.from_below {
+            // Lengths are told in the order in which light meets the layers.
+            lengths.reverse();
+        }
+        self.ends.add(1.0, through, lengths);
     }
 }
 

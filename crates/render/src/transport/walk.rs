@@ -233,7 +233,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 end,
                 throughput: walker.throughput,
                 ice_length: travelled.ice_length,
-                ice_in_strata: travelled.ice_in_strata,
+                ice_in_strata: self.flight.ice_in_strata(lane),
                 air_length: travelled.air_length,
                 grain_visits: travelled.grain_visits,
                 interface_events: travelled.event

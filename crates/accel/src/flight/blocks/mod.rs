@@ -13,7 +13,7 @@ mod update;
 use super::sphere::Ice;
 use super::{FirstGrain, FlightEvent, LANES, MAX_TURNS_IN_ICE, Travelled};
 use crate::grain_grid::GridPosition;
-use crate::{GrainGrid, SurfaceId, Surfaces};
+use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use fearless_simd::{Level, dispatch};
 use paths::{FirstGrains, GROUPS, Group, get, place_of, set};
 use snowgrain_math::sampler::PathKey;
@@ -176,11 +176,15 @@ impl<'a> BlockFlight<'a> {
         let (group, at) = self.lane(lane);
         Travelled {
             ice_length: f64::from(group.ice_length[at]) * quantum,
-            ice_in_strata: group.ice_in_strata.map(|lengths| f64::from(lengths[at]) * quantum),
             air_length: f64::from(group.air_length[at]) * quantum,
             grain_visits: group.visits[at],
             event: group.event(at),
         }
+    }
+
+    pub(super) fn ice_in_strata(&self, lane: usize, quantum: f64) -> [f64; STRATA] {
+        let (group, at) = self.lane(lane);
+        group.ice_in_strata.map(|lengths| f64::from(lengths[at]) * quantum)
     }
 
     pub(super) fn first_grain(

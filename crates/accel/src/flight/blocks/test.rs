@@ -124,9 +124,16 @@ pub(super) fn test_group<S: Simd>(
         group.found_grain[1][at] = block.y[slot];
         group.found_grain[2][at] = block.z[slot];
         group.found_radius[at] = block.radius[slot];
-        if let Some(strata) = strata.get(group.found_block[at] as usize) {
-            group.found_stratum[at] = strata[slot];
-        }
+    }
+    if strata.is_empty() {
+        return;
+    }
+    let mut lanes = (group.air | group.ice) & asking;
+    while lanes != 0 {
+        let at = lanes.trailing_zeros() as usize & (GROUP - 1);
+        lanes &= lanes - 1;
+        let slot = (group.found[at].to_bits() & SLOT_BITS) as usize;
+        group.found_stratum[at] = strata[group.found_block[at] as usize][slot];
     }
 }
 

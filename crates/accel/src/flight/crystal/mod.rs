@@ -9,7 +9,6 @@ mod round;
 use super::random::{prepared, unprepared};
 use super::sphere::Ice;
 use super::{FirstGrain, FlightEvent, Travelled};
-use crate::STRATA;
 use crate::grain_grid::{GridPosition, LatticeSites};
 use fearless_simd::{Level, dispatch};
 use snowgrain_math::DVec3;
@@ -167,7 +166,6 @@ impl<'a> CrystalFlight<'a> {
         let (group, at) = self.lane(lane);
         Travelled {
             ice_length: f64::from(group.ice_length[at]) * quantum,
-            ice_in_strata: [0.0; STRATA],
             air_length: f64::from(group.air_length[at]) * quantum,
             grain_visits: group.visits[at],
             event: unprepared(group.event[at]),
