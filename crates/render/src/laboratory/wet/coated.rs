@@ -165,16 +165,7 @@ impl Coated {
         let mut nearest: Option<(f64, u32)> = None;
         let mut walk = CellWalk::new(self, ray)?;
         loop {
-            for (grain, center) in self.grains_in(walk.cell) {
-                if Some(grain) == left && self.is_image_of_start(ray, center, radius) {
-                    continue;
-                }
-                let Some(way) = Self::interval(ray, grain, center, radius) else { continue };
-                let ahead = way.enters + way.leaves > 0.0;
-                if ahead && nearest.is_none_or(|(distance, _)| way.enters < distance) {
-                    nearest = Some((way.enters, grain));
-                }
-            }
+            nearest = self.nearer(ray, walk.cell, (radius, left), nearest);
             match nearest {
                 Some((distance, grain)) if distance <= walk.leaves => {
                     return Some(self.meeting(ray, distance.max(0.0), grain, radius));
@@ -182,6 +173,29 @@ impl Coated {
                 _ => walk.step(self, ray)?,
             }
         }
+    }
+
+    /// The nearest of what is known and the spheres of `radius` around the grains of a cell that the ray
+    /// enters, other than that of `left` on which it starts: distance and grain.
+    fn nearer(
+        &self,
+        ray: &Ray,
+        cell: [i64; 3],
+        (radius, left): (f64, Option<u32>),
+        known: Option<(f64, u32)>,
+    ) -> Option<(f64, u32)> {
+        let mut nearest = known;
+        for (grain, center) in self.grains_in(cell) {
+            if Some(grain) == left && self.is_image_of_start(ray, center, radius) {
+                continue;
+            }
+            let Some(way) = Self::interval(ray, grain, center, radius) else { continue };
+            let ahead = way.enters + way.leaves > 0.0;
+            if ahead && nearest.is_none_or(|(distance, _)| way.enters < distance) {
+                nearest = Some((way.enters, grain));
+            }
+        }
+        nearest
     }
 
     /// Whether a ray starts on the surface of the sphere around `center`: other images of the grain that
@@ -203,17 +217,9 @@ impl Coated {
             return InWater::Air(self.meeting(ray, until.max(0.0), last, outer));
         };
         loop {
-            for (grain, center) in self.grains_in(walk.cell) {
-                films.extend(Self::interval(ray, grain, center, outer));
-                if Some(grain) == left && self.is_image_of_start(ray, center, radius) {
-                    continue;
-                }
-                let Some(way) = Self::interval(ray, grain, center, radius) else { continue };
-                let ahead = way.enters + way.leaves > 0.0;
-                if ahead && nearest.is_none_or(|(distance, _)| way.enters < distance) {
-                    nearest = Some((way.enters, grain));
-                }
-            }
+            let grains = self.grains_in(walk.cell);
+            films.extend(grains.filter_map(|(grain, at)| Self::interval(ray, grain, at, outer)));
+            nearest = self.nearer(ray, walk.cell, (radius, left), nearest);
             while let Some(on) = films
                 .iter()
                 .find(|way| way.enters <= until + rounding && way.leaves > until + rounding)
