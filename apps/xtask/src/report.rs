@@ -9,19 +9,19 @@ pub(crate) struct Comparison {
     lines: usize,
     worst: Option<(f64, String)>,
     failures: Vec<String>,
-    /// Whether it tests the program; else what fails is told, but the program is not to blame.
-    of_program: bool,
+    /// Whether a line that fails fails the task.
+    judged: bool,
 }
 
 impl Comparison {
     pub(crate) fn new(what: impl Into<String>, tolerance: impl Into<String>) -> Self {
         let (what, tolerance) = (what.into(), tolerance.into());
-        Self { what, tolerance, lines: 0, worst: None, failures: Vec::new(), of_program: true }
+        Self { what, tolerance, lines: 0, worst: None, failures: Vec::new(), judged: true }
     }
 
-    /// Of real snow: fails where snow is not what it is modelled as.
-    pub(crate) fn of_nature(what: impl Into<String>, tolerance: impl Into<String>) -> Self {
-        Self { of_program: false, ..Self::new(what, tolerance) }
+    /// Told, not judged: where it fails, the program is not to blame.
+    pub(crate) fn reported(what: impl Into<String>, tolerance: impl Into<String>) -> Self {
+        Self { judged: false, ..Self::new(what, tolerance) }
     }
 
     /// One line: a figure that may be `allowed` off. What is not a number fails.
@@ -42,8 +42,8 @@ impl Comparison {
         self.failures.is_empty() && self.lines > 0
     }
 
-    fn fails_by_nature(&self) -> bool {
-        !self.of_program && self.lines > 0
+    fn only_told(&self) -> bool {
+        !self.judged && self.lines > 0
     }
 
     fn row(&self) -> String {
@@ -103,9 +103,7 @@ impl Section {
 
     /// Whether the program is right wherever it can be told.
     pub(crate) fn passed(&self) -> bool {
-        self.comparisons
-            .iter()
-            .all(|comparison| comparison.passed() || comparison.fails_by_nature())
+        self.comparisons.iter().all(|comparison| comparison.passed() || comparison.only_told())
     }
 
     fn write(&self, text: &mut String) {

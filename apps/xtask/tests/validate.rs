@@ -10,15 +10,15 @@ fn references() -> PathBuf {
 
 /// Whether the quick report of the section of one sphere passes, and its text.
 fn validate(data: &Path) -> (bool, String) {
-    let out = tempfile::tempdir().unwrap();
+    let out = tempfile::tempdir().expect("a folder");
     let status = Command::new(env!("CARGO_BIN_EXE_snowgrain-xtask"))
         .args(["validate", "--quick", "--sections", "grain", "--data"])
         .arg(data)
         .arg("--out")
         .arg(out.path())
         .status()
-        .unwrap();
-    let report = fs::read_to_string(out.path().join("VALIDATION.md")).unwrap();
+        .expect("the task runs");
+    let report = fs::read_to_string(out.path().join("VALIDATION.md")).expect("a report");
     assert!(out.path().join("validation/phase.svg").is_file());
     (status.success(), report)
 }

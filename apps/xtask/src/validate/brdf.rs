@@ -48,7 +48,7 @@ fn find(
 ) -> Result<Table> {
     let command = format!(
         "optics brdf --radius {radius}um --sza {sun} --vza {} --azimuth {} --wavelengths {wavelengths} --stderr \
-         0.012 --max-paths 300000",
+         0.02 --max-paths 100000",
         list(&reference.distinct("vza_deg")?, ""),
         list(&reference.distinct("relaz_deg")?, "")
     );

@@ -20,7 +20,7 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
         list(&depths, "mm"),
         incidences(&reference.distinct("sza_deg")?),
         list(&reference.distinct("wavelength_nm")?, ""),
-        bench.choose(0.001, 0.002)
+        bench.choose(0.0015, 0.002)
     );
     let found = bench.table(&mut section, &command)?;
     for (flux, column) in [("R", "R_disort"), ("T", "T_disort")] {

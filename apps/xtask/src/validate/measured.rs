@@ -86,7 +86,7 @@ fn predicted(found: &Table, density: f64, depth_mm: &str, wavelength: &str) -> R
 fn compare(section: &mut Section, measured: &Table, found: &Table) -> Result<()> {
     let mut rows = Vec::new();
     for depth in measured.distinct("depth_mm")? {
-        let mut comparison = Comparison::of_nature(format!("measured albedo, {depth} mm"), ".03");
+        let mut comparison = Comparison::reported(format!("measured albedo, {depth} mm"), ".03");
         for row in measured.rows().filter(|row| row.has(&[("depth_mm", &depth)])) {
             let (nm, albedo) = (row.text("wavelength_nm")?, row.number("albedo")?);
             let here = predicted(found, DENSITY, &depth, nm)?;

@@ -13,12 +13,13 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
     let reference = bench.reference("albedo_soot.csv")?;
     let every = bench.choose(1, 2);
     let radii: Vec<_> = reference.distinct("r_um")?.into_iter().step_by(every).collect();
-    let loads: Vec<_> = reference.distinct("soot_ng_per_g")?.into_iter().step_by(every).collect();
+    // Without soot it is the deep snow of another section.
+    let loads = reference.distinct("soot_ng_per_g")?.into_iter().skip(1).step_by(every);
     let mut comparison = Comparison::new("albedo with soot", ".005");
-    for load in &loads {
+    for load in loads {
         let command = format!(
             "optics albedo --radius {} --diffuse --sza 60 --wavelengths {} --impurity \
-             black-carbon-bond-2006={load}ng/g --stderr 0.001",
+             black-carbon-bond-2006={load}ng/g --stderr 0.00125",
             list(&radii, "um"),
             list(&reference.distinct("wavelength_nm")?, "")
         );
@@ -27,7 +28,7 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
             let column = if diffuse { "R_diffuse_disort" } else { "R_sza60_disort" };
             let expected = reference.find(&[
                 ("r_um", row.text("radius_um")?),
-                ("soot_ng_per_g", load),
+                ("soot_ng_per_g", &load),
                 ("wavelength_nm", row.text("wavelength_nm")?),
             ])?;
             let names = [("radius_um", "um"), ("sza_deg", "degrees"), ("wavelength_nm", "nm")];

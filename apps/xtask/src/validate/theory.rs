@@ -111,15 +111,21 @@ fn distances(section: &mut Section, reference: &Table, found: &Table) -> Result<
 
 fn draw(bench: &Bench, reference: &Table, found: &Table) -> Result<()> {
     let mut series = Vec::new();
-    for angle in ["diffuse", "60"] {
-        for method in METHODS {
-            let mut line = Vec::new();
-            for [found, expected] in pairs(reference, found, method, angle)? {
-                line.push([expected, found - expected]);
-            }
-            line.sort_by(|one, other| one[0].total_cmp(&other[0]));
-            series.push(Series { name: format!("{method}, {angle}"), line, points: Vec::new() });
+    // Under the sun two streams are Wiscombe and Warren's.
+    let lines = [
+        ("wiscombe-warren", "diffuse"),
+        ("two-stream", "diffuse"),
+        ("kokhanovsky-zege", "diffuse"),
+        ("wiscombe-warren", "60"),
+        ("kokhanovsky-zege", "60"),
+    ];
+    for (method, angle) in lines {
+        let mut line = Vec::new();
+        for [found, expected] in pairs(reference, found, method, angle)? {
+            line.push([expected, found - expected]);
         }
+        line.sort_by(|one, other| one[0].total_cmp(&other[0]));
+        series.push(Series { name: format!("{method}, {angle}"), line, points: Vec::new() });
     }
     let figure = Figure {
         title: "Theories minus discrete ordinates, all radii and wavelengths",
