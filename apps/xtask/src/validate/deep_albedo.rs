@@ -36,7 +36,7 @@ fn find(bench: &Bench, section: &mut Section, reference: &Table, mode: &str) -> 
         "optics albedo --radius {} {} --wavelengths {wavelengths} --polarisation {mode} --stderr {}",
         list(&radii, "um"),
         incidences(&angles),
-        bench.choose(0.001, 0.002)
+        bench.choose(0.0012, 0.002)
     );
     bench.table(section, &command)
 }

@@ -11,8 +11,8 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
          Here all are found at once and each alone, whose paths have its own index (r = 200 um, diffuse light). \
          Both have the same random numbers, but lengths of paths differ: the noise of both counts.",
     );
-    let step = bench.choose(47, 188);
-    let settings = format!("--stderr {}", bench.choose(0.0002, 0.0005));
+    let step = bench.choose(94, 188);
+    let settings = format!("--stderr {}", bench.choose(0.0003, 0.0005));
     let command = format!("optics albedo --radius 200um --wavelengths 350:1290:{step} {settings}");
     let together = bench.table(&mut section, &command)?;
     let mut comparison = Comparison::new("albedo, all at once against each alone", ".001");

@@ -96,9 +96,11 @@ pub(crate) fn validate(options: &Options) -> Result<bool> {
             let section = make(&bench).with_context(|| name.to_owned())?;
             println!("{name}: {}", if section.passed() { "pass" } else { "FAIL" });
             sections.push(section);
+            // What is known so far is there at any time.
+            let report = markdown(INTRODUCTION, &sections);
+            std::fs::write(options.out.join("VALIDATION.md"), report)?;
         }
     }
-    std::fs::write(options.out.join("VALIDATION.md"), markdown(INTRODUCTION, &sections))?;
     Ok(sections.iter().all(Section::passed))
 }
 

@@ -17,7 +17,7 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
     let command = format!(
         "optics spread --radius 500um --density 275 --diffuse --wavelengths 400 --ice-k warren-brandt-2008 \
          --stderr {} --max-paths 300000",
-        bench.choose(0.003, 0.01)
+        bench.choose(0.01, 0.02)
     );
     let found = bench.table(&mut section, &command)?;
     let mut comparison = Comparison::new("radii of half and 90 %, over those expected", "15 %");
