@@ -12,11 +12,7 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
          Picard et al. 2016). The tolerance is asked for 500 um; the other radii are held to it as well.",
     );
     let radii = if bench.quick { &["500"][..] } else { &["500", "50", "100", "200", "1000"] };
-    let wavelengths = if bench.quick {
-        &["700", "900"][..]
-    } else {
-        &["450", "600", "700", "800", "900", "1030"]
-    };
+    let wavelengths = bench.choose(&["600", "700", "800", "900", "1030"][..], &["700", "900"]);
     let mut rows = Vec::new();
     for radius in radii {
         let mut comparison = Comparison::new(format!("e-folding depth, r = {radius} um"), "3 %");
@@ -45,7 +41,7 @@ fn fold(bench: &Bench, section: &mut Section, radius: &str, wavelength: &str) ->
     let to = from + expected;
     let command = format!(
         "optics profile --radius {radius}um --at 0,{from:.2}mm,{to:.2}mm --wavelengths {wavelength} \
-         --stderr 0.01 --max-paths 300000"
+         --stderr 0.01 --max-paths 60000"
     );
     let found = bench.table(section, &command)?;
     let row = found.rows().nth(1).context("the profile has three depths")?;
