@@ -126,7 +126,7 @@ fn draw(bench: &Bench, series: Vec<Series>) -> Result<()> {
             to: 80.0,
             step: 20.0,
         },
-        y: Axis { name: "bidirectional reflectance factor", from: 0.0, to: 4.0, step: 0.5 },
+        y: Axis { name: "bidirectional reflectance factor", from: 0.0, to: 3.0, step: 0.5 },
         series,
         remark: "points: Mishchenko et al.",
     };

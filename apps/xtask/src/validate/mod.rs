@@ -31,7 +31,7 @@ What this shows: the program solves the problem that it states, light in spheres
 independent programs and exact identities do. Discrete ordinates know snow as the same spheres met at random: they \
 test the code, not the physics. What it does not show: that snow is spheres. Only the measured albedos are of real \
 snow; where they fail, the model of smooth spheres, or an assumption about the snow, does not hold. No parameter was \
-tuned to pass.
+tuned to pass. Those lines, and others that are said not to be judged, do not fail the task.
 ";
 
 /// Options of the task.
