@@ -1,0 +1,166 @@
+//! What was compared, and how it is written: Markdown.
+
+use std::fmt::Write as _;
+
+/// Figures against what they should be, all by one tolerance.
+pub(crate) struct Comparison {
+    what: String,
+    tolerance: String,
+    lines: usize,
+    worst: Option<(f64, String)>,
+    failures: Vec<String>,
+    /// Whether a line that fails fails the task.
+    judged: bool,
+}
+
+impl Comparison {
+    pub(crate) fn new(what: impl Into<String>, tolerance: impl Into<String>) -> Self {
+        let (what, tolerance) = (what.into(), tolerance.into());
+        Self { what, tolerance, lines: 0, worst: None, failures: Vec::new(), judged: true }
+    }
+
+    /// Told, not judged: where it fails, the program is not to blame.
+    pub(crate) fn reported(what: impl Into<String>, tolerance: impl Into<String>) -> Self {
+        Self { judged: false, ..Self::new(what, tolerance) }
+    }
+
+    /// One line: a figure that may be `allowed` off. What is not a number fails.
+    pub(crate) fn compare(&mut self, name: &str, found: f64, expected: f64, allowed: f64) {
+        self.lines += 1;
+        let off = (found - expected).abs();
+        let line = format!("{name}: {found:.5}, expected {expected:.5}, allowed {allowed:.5}");
+        if self.worst.as_ref().is_none_or(|(worst, _)| off.is_nan() || off > *worst) {
+            self.worst = Some((off, name.to_owned()));
+        }
+        if off.is_nan() || off > allowed {
+            self.failures.push(line);
+        }
+    }
+
+    /// A comparison of nothing is no check.
+    pub(crate) fn passed(&self) -> bool {
+        self.failures.is_empty() && self.lines > 0
+    }
+
+    fn only_told(&self) -> bool {
+        !self.judged && self.lines > 0
+    }
+
+    fn row(&self) -> String {
+        let (off, name) = self.worst.as_ref().map_or((f64::NAN, ""), |(off, name)| (*off, name));
+        let result = match (self.passed(), self.failures.len()) {
+            (true, _) => "pass".to_owned(),
+            (false, failed) => format!("**FAIL** ({failed} of {})", self.lines),
+        };
+        let number =
+            if off != 0.0 && off < 1e-4 { format!("{off:.1e}") } else { format!("{off:.4}") };
+        format!(
+            "{} | {} | {number} ({name}) | {} | {result} |",
+            self.what, self.lines, self.tolerance
+        )
+    }
+}
+
+/// A part of the report.
+pub(crate) struct Section {
+    pub(crate) title: &'static str,
+    /// Paragraphs, tables and figures, in Markdown.
+    blocks: Vec<String>,
+    commands: Vec<String>,
+    comparisons: Vec<Comparison>,
+}
+
+impl Section {
+    pub(crate) fn new(title: &'static str) -> Self {
+        Self { title, blocks: Vec::new(), commands: Vec::new(), comparisons: Vec::new() }
+    }
+
+    pub(crate) fn say(&mut self, paragraph: impl Into<String>) {
+        self.blocks.push(paragraph.into());
+    }
+
+    pub(crate) fn command(&mut self, command: String) {
+        if !self.commands.contains(&command) {
+            self.commands.push(command);
+        }
+    }
+
+    pub(crate) fn add(&mut self, comparison: Comparison) {
+        self.comparisons.push(comparison);
+    }
+
+    pub(crate) fn table(&mut self, heads: &[&str], rows: &[Vec<String>]) {
+        let line = |fields: &[String]| format!("| {} |", fields.join(" | "));
+        let heads: Vec<String> = heads.iter().map(|&head| head.to_owned()).collect();
+        let mut lines = vec![line(&heads), format!("|{}", "---|".repeat(heads.len()))];
+        lines.extend(rows.iter().map(|row| line(row)));
+        self.blocks.push(lines.join("\n"));
+    }
+
+    pub(crate) fn figure(&mut self, file: &str, caption: &str) {
+        self.blocks.push(format!("![{caption}](validation/{file})\n\n{caption}"));
+    }
+
+    /// Whether the program is right wherever it can be told.
+    pub(crate) fn passed(&self) -> bool {
+        self.comparisons.iter().all(|comparison| comparison.passed() || comparison.only_told())
+    }
+
+    fn write(&self, text: &mut String) {
+        let _ = writeln!(text, "\n## {}\n", self.title);
+        for block in &self.blocks {
+            let _ = writeln!(text, "{block}\n");
+        }
+        if !self.comparisons.is_empty() {
+            let _ = writeln!(text, "| comparison | lines | worst deviation | tolerance | result |");
+            let _ = writeln!(text, "|---|---|---|---|---|");
+            for comparison in &self.comparisons {
+                let _ = writeln!(text, "| {}", comparison.row());
+            }
+            let _ = writeln!(text);
+        }
+        for failure in self.comparisons.iter().flat_map(|comparison| &comparison.failures) {
+            let _ = writeln!(text, "- fails: {failure}");
+        }
+        if !self.commands.is_empty() {
+            let _ = writeln!(text, "\n<details><summary>Commands</summary>\n\n```sh");
+            for command in &self.commands {
+                let _ = writeln!(text, "{command}");
+            }
+            let _ = writeln!(text, "```\n\n</details>");
+        }
+    }
+}
+
+/// The whole report: all comparisons first, then the sections.
+pub(crate) fn markdown(introduction: &str, sections: &[Section]) -> String {
+    let mut text = format!("# Validation\n\n{introduction}\n");
+    text.push_str("| section | comparison | lines | worst deviation | tolerance | result |\n");
+    text.push_str("|---|---|---|---|---|---|\n");
+    for section in sections {
+        for comparison in &section.comparisons {
+            let _ = writeln!(text, "| {} | {}", section.title, comparison.row());
+        }
+    }
+    for section in sections {
+        section.write(&mut text);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_off_or_no_number_or_nothing_fails() {
+        let mut comparison = Comparison::new("it", ".1");
+        assert!(!comparison.passed());
+        comparison.compare("near", 1.05, 1.0, 0.1);
+        assert!(comparison.passed());
+        comparison.compare("none", f64::NAN, 1.0, 0.1);
+        comparison.compare("far", 1.2, 1.0, 0.1);
+        assert_eq!(comparison.failures.len(), 2);
+        assert!(comparison.row().contains("**FAIL** (2 of 3)"));
+    }
+}
