@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 use snowgrain_math::trig;
+use std::sync::LazyLock;
 
 /// Points of the rule: far more than the smooth integrands of a sphere need for 1e-12.
 const POINTS: u32 = 200;
@@ -10,14 +11,12 @@ const POINTS: u32 = 200;
 /// below 400; never asks for the ends).
 pub(crate) fn integrate(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    let sum: f64 = (0..POINTS)
-        .map(|i| {
-            let (node, weight) = legendre_node(i);
-            weight * f(middle + half * node)
-        })
-        .sum();
-    half * sum
+    half * NODES.iter().map(|(node, weight)| weight * f(middle + half * node)).sum::<f64>()
 }
+
+/// Nodes and weights of the rule, found once: that takes a hundred times as long as to use them.
+static NODES: LazyLock<Vec<(f64, f64)>> =
+    LazyLock::new(|| (0..POINTS).map(legendre_node).collect());
 
 /// Node and weight number `i`: Newton's iteration on the Legendre polynomial from Tricomi's
 /// estimate of its root.

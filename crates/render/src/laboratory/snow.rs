@@ -52,18 +52,49 @@ impl SnowLayer {
         self.extinction_per_metre() * self.depth
     }
 
-    /// Absorption a metre of ice, with that of the impurities.
+    /// Absorption a metre of ice, with that of the impurities: such that the co-albedo of a grain is that of
+    /// its ice and `4 c MAC / SSA` of each impurity (an external mixture).
     #[must_use]
     pub fn absorption_per_metre(&self, ice: IceAbsorption, wavelength_nm: f64) -> f64 {
         if self.impurities.is_empty() {
             return ice.per_metre(wavelength_nm);
         }
-        let eta = ice::refractive_index(wavelength_nm);
-        let enhancement = sphere::absorption_enhancement(Dielectric { eta });
+        let medium = Dielectric { eta: ice::refractive_index(wavelength_nm) };
+        let enhancement = sphere::absorption_enhancement(medium);
         let impurities = self.impurities.iter();
-        ice.per_metre(wavelength_nm)
-            + impurities.map(|i| i.per_metre_of_ice(wavelength_nm, enhancement)).sum::<f64>()
+        let beside: f64 = impurities.map(|i| i.per_metre_of_ice(wavelength_nm, enhancement)).sum();
+        let pure = ice.per_metre(wavelength_nm) * self.radius;
+        let first_order = pure + beside * self.radius;
+        let added = 4.0 / 3.0 * beside * self.radius * enhancement;
+        let co_albedo = (sphere::co_albedo(medium, pure) + added).min(MOST_CO_ALBEDO);
+        with_co_albedo(medium, co_albedo, first_order) / self.radius
     }
+}
+
+/// Greatest co-albedo of a grain: what is reflected outside cannot be absorbed.
+const MOST_CO_ALBEDO: f64 = 0.9;
+/// Absorption per radius below which the co-albedo is proportional to it, to 2e-4 of it.
+const WEAK: f64 = 1e-4;
+
+/// The absorption per radius of a grain with this co-albedo, which is about `first_order`.
+fn with_co_albedo(medium: Dielectric, co_albedo: f64, first_order: f64) -> f64 {
+    if first_order < WEAK {
+        return first_order;
+    }
+    // Secants: the co-albedo rises ever more slowly.
+    let off = |absorption: f64| sphere::co_albedo(medium, absorption) - co_albedo;
+    let (mut last, mut last_off) = (0.0, -co_albedo);
+    let mut absorption = first_order;
+    for _ in 0..12 {
+        let here = off(absorption);
+        if here.abs() < 1e-9 || here == last_off {
+            break;
+        }
+        let next = absorption - here * (absorption - last) / (here - last_off);
+        (last, last_off) = (absorption, here);
+        absorption = next.max(0.5 * absorption);
+    }
+    absorption
 }
 
 impl SnowStack {
@@ -71,5 +102,32 @@ impl SnowStack {
     #[must_use]
     pub fn is_deep(&self) -> bool {
         self.layers.last().is_some_and(|layer| layer.depth.is_infinite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use snowgrain_optics::{ImpurityKind, Load};
+
+    #[test]
+    fn a_grain_absorbs_what_its_ice_and_its_impurities_do_together() {
+        for (radius, load, wavelength) in
+            [(1e-4, 1e-8, 400.0), (1e-3, 1e-5, 400.0), (5e-4, 1e-6, 900.0), (1e-3, 1e-3, 500.0)]
+        {
+            let kind = ImpurityKind::BlackCarbonBond2006;
+            let soot = Impurity { kind, load: Load::MassFraction(load) };
+            let impurities = vec![soot];
+            let layer = SnowLayer { radius, density: 300.0, depth: 1.0, impurities };
+            let ice = IceAbsorption::default();
+            let medium = Dielectric { eta: ice::refractive_index(wavelength) };
+            let alone = sphere::co_albedo(medium, ice.per_metre(wavelength) * radius);
+            let mac = kind.absorption_cross_section(wavelength);
+            let added = 4.0 * load * mac / ice::specific_surface_area(radius);
+            let found =
+                sphere::co_albedo(medium, layer.absorption_per_metre(ice, wavelength) * radius);
+            let expected = (alone + added).min(MOST_CO_ALBEDO);
+            assert!((found / expected - 1.0).abs() < 3e-4, "{radius} {load}: {found} {expected}");
+        }
     }
 }
