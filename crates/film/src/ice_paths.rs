@@ -1,8 +1,8 @@
 //! How much of a pixel's light has passed through how much ice, kept so that ice and impurities can be
 //! chosen after the render.
 //!
-//! Light of a length L is shared out among [`NODES`] lengths: 0, and from [`SHORTEST`] on three for every
-//! two octaves up to [`LONGEST`] metres. The shares are the weights of cubic interpolation in the
+//! Light of a length L is shared out among [`NODES`] lengths: 0, and from 1/1024 m on three for every
+//! two octaves up to 1024 m. The shares are the weights of cubic interpolation in the
 //! logarithm of the length through the four nodes around L, so that for a function that is smooth in it,
 //! such as what ice leaves of light, the sum over the nodes is that over the light. For `exp(-gamma L)`
 //! the error is at most .002 of one light, where about a tenth of it is left, of either sign elsewhere; it
