@@ -11,6 +11,13 @@ pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
     if arguments.output.iter().any(|file| file.format == PictureFormat::Film) {
         return Err(Failure::usage("a film is developed to .png or .exr files; name one"));
     }
+    let writes_exr = arguments.output.iter().any(|file| file.format == PictureFormat::Exr);
+    if arguments.wavelengths.is_some() && !writes_exr {
+        return Err(Failure::usage("--wavelengths are layers of .exr files; name one by -o"));
+    }
+    if arguments.primaries.is_some() && !writes_exr {
+        return Err(Failure::usage("--primaries are those of .exr files; name one by -o"));
+    }
     let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
     let film = read_film(&arguments.film)?;
     let grade = grade(&film, arguments);

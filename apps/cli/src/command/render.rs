@@ -1,7 +1,7 @@
 //! `snowgrain render`.
 
 use super::pictures::Pictures;
-use crate::arguments::RenderArguments;
+use crate::arguments::{PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
 use crate::failure::Failure;
 use crate::load::{self, LoadedScene};
@@ -24,6 +24,7 @@ use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
+    refuse_options_without_file(arguments)?;
     let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
     if let Some(path) = &arguments.report.json_stats {
         if arguments.output.iter().any(|picture| picture.path == *path) {
@@ -68,6 +69,21 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
+}
+
+/// Options that only show in a kind of file that is not asked for.
+fn refuse_options_without_file(arguments: &RenderArguments) -> Result<(), Failure> {
+    let writes = |format| arguments.output.iter().any(|file| file.format == format);
+    if arguments.dry_run {
+        return Ok(());
+    }
+    if arguments.wavelengths.is_some() && !writes(PictureFormat::Exr) {
+        return Err(Failure::usage("--wavelengths are layers of .exr files; name one by -o"));
+    }
+    if !arguments.keep.is_empty() && !writes(PictureFormat::Film) {
+        return Err(Failure::usage("--keep is for .film files; name one by -o"));
+    }
+    Ok(())
 }
 
 /// Chooses the compact packing where the scene leaves the choice, and only that keeps within

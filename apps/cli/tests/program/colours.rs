@@ -63,6 +63,11 @@ fn a_film_that_cannot_be_changed_says_how_to_make_one_that_can() {
     refused(&soot, 65, "--keep ice-paths");
     refused(&["develop", "a.film", "-o", "b.film"], 2, ".png or .exr");
     refused(&["develop", "b.film", "-o", "b.png"], 66, "b.film");
+    refused(&["develop", "a.film", "--wavelengths", "500", "-o", "a.png"], 2, ".exr");
+    refused(&["develop", "a.film", "--primaries", "acescg", "-o", "a.png"], 2, ".exr");
+    let render = |more: &[&'static str]| [&RENDER[..], more].concat();
+    refused(&render(&["--keep", "ice-paths", "-o", "a.png"]), 2, ".film");
+    refused(&render(&["--wavelengths", "500", "-o", "a.png"]), 2, ".exr");
     refused(&["develop", "a.film", "--impurity", "coal=1ppm", "-o", "a.png"], 2, "black-carbon");
     refused(&["develop", "a.film", "--ice-k", "-3", "-o", "a.png"], 2, "1/m");
     refused(&["develop", "a.film", "--wavelengths", "900", "-o", "a.exr"], 2, "not visible");
