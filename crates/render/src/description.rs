@@ -59,19 +59,58 @@ impl FilmDescription {
     }
 }
 
-/// A pinhole camera.
+/// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
-    /// Position, metres.
+    /// Position, metres: the middle of the lens, or of the plane in which parallel rays start.
     pub from: DVec3,
     /// Point looked at, metres.
     pub at: DVec3,
     /// Up direction.
     pub up: DVec3,
-    /// Vertical field of view, degrees, in (0, 180).
-    pub vertical_fov_degrees: f64,
+    /// How points come to the picture.
+    pub projection: Projection,
     /// Radiance that a camera ray sees where it meets nothing and no visible light.
     pub backdrop: [f32; 3],
+}
+
+/// The closed set of projections.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays spread from a point or a lens.
+    Perspective {
+        /// Vertical field of view, degrees, in (0, 180); that of a lens focused at infinity.
+        vertical_fov_degrees: f64,
+        /// The lens; `None` for a pinhole, to which all is sharp.
+        lens: Option<Lens>,
+    },
+    /// Parallel rays, from the plane through the camera's position.
+    Orthographic {
+        /// How much of the world the picture is high, metres, above 0.
+        height: f64,
+    },
+}
+
+impl Projection {
+    /// A pinhole with this vertical field of view.
+    #[must_use]
+    pub fn pinhole(vertical_fov_degrees: f64) -> Self {
+        Self::Perspective { vertical_fov_degrees, lens: None }
+    }
+}
+
+/// A thin lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lens {
+    /// Diameter of the entrance pupil, metres, above 0.
+    pub diameter: f64,
+    /// Distance of the plane in focus along the view, metres, above 0.
+    pub focus_distance: f64,
+    /// Blades of the diaphragm: 0 (round), or at least 3 (a regular polygon with its corners on the
+    /// circle of the diameter).
+    pub blades: u32,
+    /// Rotation of the polygon, degrees counter-clockwise; at 0 a corner is up.
+    pub blade_rotation_degrees: f64,
 }
 
 /// Index of refraction of water: 1.333 at 550 nm (Hale and Querry 1973, Appl. Opt. 12, 555).

@@ -310,7 +310,7 @@ fn seen(description: &SceneDescription, crop: PixelRect, bounds: &Aabb) -> f64 {
         .filter(|probe| {
             let x = at(crop.x0, crop.width(), probe % PROBES);
             let y = at(crop.y0, crop.height(), probe / PROBES);
-            bounds.intersect(&camera.ray(x, y)).is_some()
+            bounds.intersect(&camera.ray(x, y, [0.5; 2])).is_some()
         })
         .count();
     hits as f64 / f64::from(PROBES * PROBES)
@@ -321,6 +321,7 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
+        Projection,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -336,7 +337,7 @@ mod tests {
                 from: DVec3::new(0.0, 0.2, 0.3),
                 at: DVec3::ZERO,
                 up: DVec3::Y,
-                vertical_fov_degrees: 40.0,
+                projection: Projection::pinhole(40.0),
                 backdrop: [0.0; 3],
             },
             ice: IceDescription::clear(1.31),

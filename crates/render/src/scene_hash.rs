@@ -2,7 +2,7 @@
 
 use crate::Strata;
 use crate::description::{
-    IceDescription, LightDescription, ObjectShape, Packing, SceneDescription,
+    IceDescription, LightDescription, ObjectShape, Packing, Projection, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -73,7 +73,7 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     for vector in [scene.camera.from, scene.camera.at, scene.camera.up] {
         hash.doubles(&vector.to_array());
     }
-    hash.doubles(&[scene.camera.vertical_fov_degrees]);
+    hash_projection(&mut hash, &scene.camera.projection);
     hash.floats(&scene.camera.backdrop);
     hash.tag("ice");
     hash_ice(&mut hash, &scene.ice);
@@ -106,6 +106,23 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.tag("grains");
     hash.0.update(&grains.0);
     *hash.0.finalize().as_bytes()
+}
+
+fn hash_projection(hash: &mut Hash, projection: &Projection) {
+    match projection {
+        Projection::Perspective { vertical_fov_degrees, lens } => {
+            hash.doubles(&[*vertical_fov_degrees]);
+            if let Some(lens) = lens {
+                hash.tag("lens");
+                hash.doubles(&[lens.diameter, lens.focus_distance, lens.blade_rotation_degrees]);
+                hash.words(&[lens.blades]);
+            }
+        }
+        Projection::Orthographic { height } => {
+            hash.tag("orthographic");
+            hash.doubles(&[*height]);
+        }
+    }
 }
 
 fn hash_ice(hash: &mut Hash, ice: &IceDescription) {

@@ -13,7 +13,7 @@ use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
+    ObjectDescription, ObjectShape, Projection, SceneDescription, SnowDescription,
 };
 use snowgrain_render::measure::{Incidence, SlabSettings, measure_slab};
 
@@ -45,7 +45,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
             from: middle + DVec3::new(0.0, 0.3, 0.1),
             at: middle,
             up: DVec3::Y,
-            vertical_fov_degrees: 2.0,
+            projection: Projection::pinhole(2.0),
             backdrop: [0.0; 3],
         },
         ice: IceDescription { absorption: Absorption::default(), ..IceDescription::clear(1.31) },
@@ -169,7 +169,7 @@ fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
     });
     description.camera.from = DVec3::new(0.0, 0.06, 0.06);
     description.camera.at = DVec3::Y * 0.01;
-    description.camera.vertical_fov_degrees = 20.0;
+    description.camera.projection = Projection::pinhole(20.0);
     let fall = |grains, mean, seed| {
         SnowDescription::Deposit(DepositSettings {
             amount: Amount::Grains(grains),

@@ -10,7 +10,7 @@ use snowgrain_render::Strata;
 use snowgrain_render::camera::Camera;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    SceneDescription, SnowDescription,
+    Projection, SceneDescription, SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, measure_body};
 use snowgrain_render::{RenderControl, RenderSettings, Rendered, Scene, render};
@@ -28,7 +28,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
             from: center + direction.normalize() * (distance * f64::from(side)),
             at: center,
             up: DVec3::Y,
-            vertical_fov_degrees: 40.0,
+            projection: Projection::pinhole(40.0),
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(crate::ETA),
@@ -64,7 +64,9 @@ pub(crate) fn picture(scene: &Scene, samples: Range<u64>, crop: PixelRect) -> Re
 
 /// The pixels whose four corner rays all meet the box.
 fn pixels_on(hull: &Aabb, camera: &Camera, pixels: u32) -> Vec<(u32, u32)> {
-    let meets = |x: u32, y: u32| hull.intersect(&camera.ray(f64::from(x), f64::from(y))).is_some();
+    let meets = |x: u32, y: u32| {
+        hull.intersect(&camera.ray(f64::from(x), f64::from(y), [0.5; 2])).is_some()
+    };
     (0..pixels)
         .flat_map(|y| (0..pixels).map(move |x| (x, y)))
         .filter(|&(x, y)| meets(x, y) && meets(x + 1, y) && meets(x, y + 1) && meets(x + 1, y + 1))

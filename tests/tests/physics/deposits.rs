@@ -13,7 +13,7 @@ use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
+    ObjectDescription, ObjectShape, Projection, SceneDescription, SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
 use snowgrain_tests::{
@@ -77,7 +77,7 @@ fn pile(
             from: DVec3::new(0.2, 1.5, 1.6) * width,
             at: DVec3::new(0.0, 0.2, 0.0) * width,
             up: DVec3::Y,
-            vertical_fov_degrees: 28.0,
+            projection: Projection::pinhole(28.0),
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(1.32),
@@ -206,13 +206,7 @@ fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
     let sky = |direction: DVec3| if direction.y > 0.0 { DVec3::ONE } else { DVec3::ZERO };
     let exact = OraclePicture {
         oracle: &tracer,
-        camera: PinholeCamera::new(
-            camera.from,
-            camera.at,
-            camera.up,
-            camera.vertical_fov_degrees.to_radians(),
-            [48, 32],
-        ),
+        camera: PinholeCamera::new(camera.from, camera.at, camera.up, 28f64.to_radians(), [48, 32]),
         width: 48,
         seed: description.film.seed,
         absorption: 3.0,

@@ -17,7 +17,7 @@ use snowgrain_math::DVec3;
 use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
-    Pores, SceneDescription,
+    Pores, Projection, SceneDescription,
 };
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
@@ -125,7 +125,7 @@ fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneError> {
         from,
         at,
         up,
-        vertical_fov_degrees: fov,
+        projection: Projection::pinhole(fov),
         backdrop: checks.radiance("camera.backdrop", camera.backdrop)?,
     })
 }

@@ -139,8 +139,8 @@ impl<'a, 'film> Stream<'a, 'film> {
             let key = PathKey::new(scene.film.seed, stream, sample);
             let [jitter_x, jitter_y, _] = numbers(key, 0);
             let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
-            let ray = scene.camera.ray(px, py);
-            NewPath { tag: Tag { slot, x, y }, ray, key, event: 1 }
+            let (lens, event) = place_of_lens(scene, key);
+            NewPath { tag: Tag { slot, x, y }, ray: scene.camera.ray(px, py, lens), key, event }
         }));
         true
     }
@@ -245,6 +245,16 @@ impl<'a, 'film> Stream<'a, 'film> {
         task.paths += task.batch.samples.len() as u64;
         task.batch.clear();
     }
+}
+
+/// The place of the lens where a path begins, and the next event of its random numbers: only a lens
+/// that has a size takes one.
+fn place_of_lens(scene: &Scene, key: PathKey) -> ([f64; 2], u32) {
+    if !scene.camera.has_lens() {
+        return ([0.5; 2], 1);
+    }
+    let [u, v, _] = numbers(key, 1);
+    ([f64::from(u), f64::from(v)], 2)
 }
 
 /// A path as a sample of this radiance.
