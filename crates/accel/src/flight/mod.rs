@@ -192,6 +192,15 @@ impl<'a> Flight<'a> {
         self.blocks().take_visits(visits);
     }
 
+    /// Whether the path of `lane`, which stands at a surface, is in ice.
+    #[must_use]
+    pub fn is_in_ice(&self, lane: usize) -> bool {
+        match &self.engine {
+            Engine::Blocks(flight) => flight.is_in_ice(lane),
+            Engine::Crystal(_) => false,
+        }
+    }
+
     /// The ray along which the path of `lane` travels, from where it stands (metres): in a grid that
     /// repeats, as far from where it entered the first period as it has come.
     #[inline]

@@ -24,6 +24,12 @@ pub struct GrainVisit {
     pub center: GridPosition,
     /// Radius of the grain.
     pub radius: f32,
+    /// Whether other grains overlap it.
+    pub overlaps: bool,
+    /// Whether a surface crosses it.
+    pub meets_surface: bool,
+    /// How far it is, along the direction, to the plane through its centre across the direction.
+    pub to_middle: f32,
     /// Unit direction in which light arrives, within the grain where it comes from ice.
     pub direction: [f32; 3],
     /// Arrivals of the path at grains from air, with this one.
@@ -34,7 +40,7 @@ pub struct GrainVisit {
     pub ice_in_strata: [f32; STRATA],
     /// Stratum of the grain.
     pub stratum: u8,
-    /// Interfaces and bounces of the path before: no two arrivals of a path have the same.
+    /// Next random event of the path before it.
     pub event: u32,
 }
 

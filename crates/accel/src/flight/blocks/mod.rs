@@ -222,6 +222,12 @@ impl<'a> BlockFlight<'a> {
         })
     }
 
+    /// Whether the path of `lane` has met interfaces since it was last in air.
+    pub(super) fn is_in_ice(&self, lane: usize) -> bool {
+        let (group, at) = self.lane(lane);
+        group.turns[at] > 0
+    }
+
     pub(super) fn excluded(&self, lane: usize) -> Option<SurfaceId> {
         let (group, at) = self.lane(lane);
         self.left[lane].filter(|left| left.event == group.event(at)).map(|left| left.id)

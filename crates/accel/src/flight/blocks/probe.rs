@@ -3,7 +3,7 @@
 //! They are tested as the paths of a flight are, sixteen grains a round and sixteen rays a step, but
 //! end at the first grain.
 
-use super::BlockFlight;
+use super::{BlockFlight, unit_f32};
 use super::paths::{GROUP, get, set};
 use super::test::test_group;
 use super::update::{ProbedSets, probe_group};
@@ -11,6 +11,7 @@ use crate::flight::{FlightEvent, LANES};
 use crate::grain_grid::{GridPosition, RADIUS_MASK};
 use crate::{GrainGrid, SimdLevel, Surfaces};
 use fearless_simd::{Level, Simd, dispatch};
+use snowgrain_math::DVec3;
 
 /// A straight ray to be followed. Lengths in quanta.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,35 @@ pub struct Probe {
     /// Centre of the grain on whose surface it starts and that it leaves, relative to the cell of the
     /// start: it must not start within another one.
     pub leaves: Option<[f32; 3]>,
+}
+
+impl Probe {
+    /// From the surface of a grain, where its outward normal is `normal`, along the unit vector
+    /// `direction`. The grain's centre and radius are as [`ProbeAnswer::Met`] tells them. `None` beyond
+    /// the grid, where no grain is.
+    #[must_use]
+    pub fn leaving(
+        grid: &GrainGrid,
+        (center, radius): (GridPosition, f32),
+        normal: DVec3,
+        direction: DVec3,
+        length: f32,
+    ) -> Option<Self> {
+        let normal = unit_f32(normal);
+        let local = [0, 1, 2].map(|axis: usize| center.local[axis] + normal[axis] * radius);
+        let start = grid.settled(GridPosition { cell: center.cell, local })?;
+        let leaves = [0, 1, 2].map(|axis: usize| {
+            let cells = start.cell[axis] - center.cell[axis];
+            center.local[axis] - cells as f32 * grid.side[axis] as f32
+        });
+        Some(Self { start, direction: unit_f32(direction), length, leaves: Some(leaves) })
+    }
+
+    /// From a place in air.
+    #[must_use]
+    pub fn through_air(start: GridPosition, direction: DVec3, length: f32) -> Self {
+        Self { start, direction: unit_f32(direction), length, leaves: None }
+    }
 }
 
 /// What a probe found.
@@ -171,7 +201,7 @@ mod tests {
     use crate::Packing;
     use snowgrain_geometry::{Grain, Quantisation};
     use snowgrain_math::sampler::{PathKey, numbers};
-    use snowgrain_math::{DVec3, Ray, frame};
+    use snowgrain_math::{Ray, frame};
 
     const RADIUS: f64 = 0.5;
 
@@ -228,17 +258,12 @@ mod tests {
                 let direction = frame::cosine_hemisphere(normal, [u, v]);
                 let ray = Ray::new(grain.center + normal * grain.radius, direction);
                 let length = 6.0 * random(index, 50 + turn).z;
-                let start = grid.locate(ray.origin);
-                let center = (grain.center - grid.world(start)) / quantum;
-                let center = [0, 1, 2].map(|axis: usize| {
-                    (f64::from(start.local[axis]) + center[axis]).round() as f32
-                });
-                probes.push(Probe {
-                    start,
-                    direction: direction.to_array().map(|v| v as f32),
-                    length: (length / quantum) as f32,
-                    leaves: Some(center),
-                });
+                let at = grid.locate(grain.center);
+                let at = GridPosition { local: at.local.map(f32::round), ..at };
+                let stored = (at, (grain.radius / quantum) as f32);
+                let length_quanta = (length / quantum) as f32;
+                let probe = Probe::leaving(&grid, stored, normal, direction, length_quanta);
+                probes.push(probe.unwrap());
                 expected.push((first(&grains, &ray, Some(index as usize)), length));
             }
         }

@@ -465,15 +465,19 @@ fn note_arrivals(
         let at = which.trailing_zeros() as usize & (GROUP - 1);
         which &= which - 1;
         let arrives = from_air >> at & 1;
+        let (position, direction) = (get(&group.position, at), get(&group.direction, at));
+        let center = get(&group.found_grain, at).map(f32::from);
+        let along = |axis: usize| (center[axis] - position[axis]) * direction[axis];
+        let bits = group.found_radius[at];
         noted.push(GrainVisit {
             lane: first_lane + at,
             from: if arrives == 1 { ArrivalFrom::Air } else { ArrivalFrom::Ice },
-            center: GridPosition {
-                cell: get(&group.cell, at),
-                local: get(&group.found_grain, at).map(f32::from),
-            },
-            radius: f32::from(group.found_radius[at] & RADIUS_MASK),
-            direction: get(&group.direction, at),
+            center: GridPosition { cell: get(&group.cell, at), local: center },
+            radius: f32::from(bits & RADIUS_MASK),
+            overlaps: bits & OVERLAPS != 0,
+            meets_surface: bits & MEETS_SURFACE != 0,
+            to_middle: along(0) + along(1) + along(2),
+            direction,
             grain_visits: group.visits[at] + arrives,
             ice_length: group.ice_length[at],
             ice_in_strata: group.ice_in_strata.map(|lengths| lengths[at]),
