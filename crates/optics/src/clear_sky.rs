@@ -77,8 +77,7 @@ pub fn illuminances(zenith_degrees: f64) -> [f64; 2] {
 /// cos Z)`, the indicatrix `1 + 10 (exp(-3 chi) - exp(-3 pi/2)) + .45 cos^2 chi`.
 #[must_use]
 pub fn relative_luminance(cos_zenith: f64, cos_to_sun: f64) -> f64 {
-    let gradation =
-        if cos_zenith > 0.0 { -trig::exp_m1(-0.32 / cos_zenith) } else { 1.0 };
+    let gradation = if cos_zenith > 0.0 { -trig::exp_m1(-0.32 / cos_zenith) } else { 1.0 };
     let chi = trig::acos(cos_to_sun.clamp(-1.0, 1.0));
     let indicatrix = 1.0
         + 10.0 * (trig::exp(-3.0 * chi) - trig::exp(-3.0 * FRAC_PI_2))
