@@ -32,6 +32,7 @@ pub mod theory;
 pub mod uplift;
 pub mod water;
 
+pub use clear_sky::SunZenith;
 pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;
 pub use grade::Grade;

@@ -2,11 +2,12 @@
 //! defaults filled in. [`crate::Scene::build`] turns it into what light can travel through.
 
 use crate::Strata;
+pub use crate::light::{LightDescription, LightKind};
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
 use snowgrain_math::{DAffine3, DVec3};
-use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
+use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::sync::Arc;
 
 /// Everything that decides a picture. Metres, radians only where named, y up.
@@ -153,49 +154,6 @@ impl IceDescription {
         match self.pores {
             Pores::Air => self.ior,
             Pores::Water => self.ior / WATER_IOR,
-        }
-    }
-}
-
-/// The closed set of lights.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightDescription {
-    /// The paper's diffuse hemisphere above y = 0 at infinity.
-    Sky {
-        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
-        radiance: [f32; 3],
-        /// Spectrum.
-        spectrum: Illuminant,
-        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
-        visible_to_camera: bool,
-    },
-    /// The whole sphere at infinity.
-    Uniform {
-        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
-        radiance: [f32; 3],
-        /// Spectrum.
-        spectrum: Illuminant,
-        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
-        visible_to_camera: bool,
-    },
-}
-
-impl LightDescription {
-    /// Its spectrum.
-    #[must_use]
-    pub fn spectrum(&self) -> Illuminant {
-        match *self {
-            Self::Sky { spectrum, .. } | Self::Uniform { spectrum, .. } => spectrum,
-        }
-    }
-
-    /// Whether a camera ray that meets nothing sees it.
-    #[must_use]
-    pub fn visible_to_camera(&self) -> bool {
-        match *self {
-            Self::Sky { visible_to_camera, .. } | Self::Uniform { visible_to_camera, .. } => {
-                visible_to_camera
-            }
         }
     }
 }

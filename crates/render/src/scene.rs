@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::description::{ObjectShape, SceneDescription, SnowDescription};
-use crate::light::Environment;
+use crate::light::{LightSlot, Lights};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
 use crate::{RenderError, World};
@@ -62,10 +62,10 @@ pub struct Scene {
     /// The camera.
     pub camera: Camera,
     /// The lights.
-    pub environment: Environment,
+    pub lights: Lights,
     /// What turns lengths in ice into colours.
     pub grade: Grade,
-    /// The colours of each spectrum of the environment after any length in ice.
+    /// The colours of each slot of the lights after any length in ice.
     pub colours: Vec<IceColour>,
     /// The same after lengths in ice of several strata; empty where there are none.
     pub strata_colours: Vec<StrataColour>,
@@ -110,8 +110,9 @@ impl Scene {
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
-        let environment = Environment::new(&description.lights, description.camera.backdrop);
-        let grade = grade(description, &environment);
+        let bounds = surfaces.bounds().union(&grid.bounds());
+        let lights = Lights::new(&description.lights, description.camera.backdrop, &bounds);
+        let grade = grade(description, lights.slots());
         Ok(Self {
             hash: hash_scene(description, &digest),
             world: World {
@@ -121,7 +122,7 @@ impl Scene {
                 eta: description.ice.eta(),
             },
             camera: Camera::new(&description.camera, &description.film),
-            environment,
+            lights,
             colours: grade.colours(),
             strata_colours: grade.strata_colours(&description.strata.loads),
             grade,
@@ -132,11 +133,11 @@ impl Scene {
 }
 
 /// What turns lengths in ice into colours in this scene.
-fn grade(description: &SceneDescription, environment: &Environment) -> Grade {
+fn grade(description: &SceneDescription, slots: &[LightSlot]) -> Grade {
     let ice = &description.ice;
     Grade {
         primaries: description.film.primaries,
-        lights: environment.spectra().to_vec(),
+        lights: slots.iter().map(|slot| slot.spectrum).collect(),
         absorption: ice.absorption,
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),

@@ -2,7 +2,7 @@
 
 use crate::Strata;
 use crate::description::{
-    IceDescription, LightDescription, ObjectShape, Packing, Projection, SceneDescription,
+    IceDescription, LightDescription, LightKind, ObjectShape, Packing, Projection, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -77,16 +77,7 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.floats(&scene.camera.backdrop);
     hash.tag("ice");
     hash_ice(&mut hash, &scene.ice);
-    for light in &scene.lights {
-        let (tag, radiance) = match light {
-            LightDescription::Sky { radiance, .. } => ("sky", radiance),
-            LightDescription::Uniform { radiance, .. } => ("uniform", radiance),
-        };
-        hash.tag(tag);
-        hash.floats(radiance);
-        hash.tag(light.spectrum().name());
-        hash.words(&[u32::from(light.visible_to_camera())]);
-    }
+    scene.lights.iter().for_each(|light| hash_light(&mut hash, light));
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();
     for object in &scene.objects {
@@ -122,6 +113,30 @@ fn hash_projection(hash: &mut Hash, projection: &Projection) {
             hash.tag("orthographic");
             hash.doubles(&[*height]);
         }
+    }
+}
+
+fn hash_light(hash: &mut Hash, light: &LightDescription) {
+    hash.tag(match light.kind {
+        LightKind::Sky => "sky",
+        LightKind::Uniform => "uniform",
+        LightKind::Overcast => "overcast",
+        LightKind::ClearSky { .. } => "clear-sky",
+        LightKind::Sun { .. } => "sun",
+    });
+    match light.kind {
+        LightKind::Sky | LightKind::Uniform | LightKind::Overcast => {}
+        LightKind::ClearSky { sun } => hash.doubles(&sun.to_array()),
+        LightKind::Sun { direction, diameter_degrees } => {
+            hash.doubles(&direction.to_array());
+            hash.doubles(&[diameter_degrees]);
+        }
+    }
+    hash.floats(&light.strength);
+    hash.tag(&light.spectrum.name());
+    hash.words(&[u32::from(light.visible_to_camera)]);
+    if light.group != light.kind.default_group() {
+        hash.tag(&light.group);
     }
 }
 

@@ -3,6 +3,10 @@
 //! The doc comments here are the manual of the format: the JSON Schema and the error messages quote
 //! them. [`super::resolve`] says what a document means.
 
+mod light;
+
+pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
+
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -163,56 +167,8 @@ pub enum PoresName {
     Water,
 }
 
-/// A light.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LightTable {
-    /// "sky" (a diffuse hemisphere above, at infinity; black below) or "uniform" (the whole sphere).
-    pub kind: LightKind,
-    /// Radiance: one number or [r, g, b], at least 0; default 1.
-    #[serde(default = "one")]
-    pub radiance: Triple,
-    /// Spectrum, of which `radiance` is the brightness and tint: "d65" (daylight), "d55" (mid-morning
-    /// daylight), "a" (an incandescent lamp) or "equal-energy"; default "d65", the white of pictures.
-    #[serde(default)]
-    pub spectrum: SpectrumName,
-    /// Whether the camera sees it behind everything (else it sees camera.backdrop): true or false;
-    /// default true.
-    #[serde(default = "yes")]
-    pub visible_to_camera: bool,
-}
-
 fn one() -> Triple {
     Triple([1.0; 3])
-}
-
-fn yes() -> bool {
-    true
-}
-
-/// Spectra of lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpectrumName {
-    /// CIE D65.
-    #[default]
-    D65,
-    /// CIE D55.
-    D55,
-    /// CIE A.
-    A,
-    /// The same power at every wavelength.
-    EqualEnergy,
-}
-
-/// Kinds of light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum LightKind {
-    /// A diffuse hemisphere above y = 0 at infinity.
-    Sky,
-    /// The whole sphere at infinity.
-    Uniform,
 }
 
 /// A solid, diffuse object. It is scaled, then rotated, then translated.

@@ -1,12 +1,11 @@
 //! Second stage: from a [`SceneFile`] to the [`SceneDescription`] that it means.
 
 mod checks;
+mod lights;
 mod objects;
 mod snow;
 
-use super::document::{
-    IntegratorName, KeepName, LightKind, PackingName, PoresName, PrimariesName, SpectrumName,
-};
+use super::document::{IntegratorName, KeepName, PackingName, PoresName, PrimariesName};
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
 use crate::laboratory::{impurity_kind, parse_load};
@@ -14,10 +13,10 @@ use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_math::DVec3;
-use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
+use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
-    Pores, Projection, SceneDescription,
+    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
+    LightKind, Packing, Pores, Projection, SceneDescription,
 };
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
@@ -59,7 +58,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let film = film(&checks)?;
     let camera = camera(&checks)?;
     let mut ice = ice(&checks)?;
-    let lights = lights(&checks)?;
+    let lights = lights::lights(&checks)?;
     let objects = objects::objects(&checks, mesh)?;
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
@@ -190,42 +189,13 @@ fn impurities(
     loads.iter().map(impurity).collect::<Result<_, String>>().map_err(|mend| checks.bad(key, mend))
 }
 
-fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
-    let lights = &checks.document().light;
-    if lights.is_empty() {
-        let mend = "the picture would be black; add [[light]] with kind = \"sky\"";
-        return Err(checks.missing("light", mend));
-    }
-    let describe = |(i, light): (usize, &super::document::LightTable)| {
-        let radiance = checks.radiance(&format!("light.{i}.radiance"), light.radiance)?;
-        let visible_to_camera = light.visible_to_camera;
-        let spectrum = match light.spectrum {
-            SpectrumName::D65 => Illuminant::D65,
-            SpectrumName::D55 => Illuminant::D55,
-            SpectrumName::A => Illuminant::A,
-            SpectrumName::EqualEnergy => Illuminant::EqualEnergy,
-        };
-        Ok(match light.kind {
-            LightKind::Sky => LightDescription::Sky { radiance, spectrum, visible_to_camera },
-            LightKind::Uniform => {
-                LightDescription::Uniform { radiance, spectrum, visible_to_camera }
-            }
-        })
-    };
-    lights.iter().enumerate().map(describe).collect()
-}
-
 /// The scene as a furnace: albedos 1, no absorption, and for light only a uniform sphere of
 /// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
 #[must_use]
 pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.ice = IceDescription { pores: scene.ice.pores, ..IceDescription::clear(scene.ice.ior) };
     scene.strata = Strata::default();
-    scene.lights = vec![LightDescription::Uniform {
-        radiance: [1.0; 3],
-        spectrum: Illuminant::D65,
-        visible_to_camera: true,
-    }];
+    scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.albedo = [1.0; 3];

@@ -14,8 +14,10 @@ pub(super) struct Batch {
     pub(super) statistics: Statistics,
     /// Where ice paths are kept, those that brought light: pixel and length in ice, metres.
     lengths: Vec<((u32, u32), f64)>,
-    /// Of each of them the light of each spectrum, before the ice.
+    /// Of each of them the light of each slot, before the ice.
     weights: Vec<[f32; 3]>,
+    /// Of the path at hand the light of each slot.
+    lights: Vec<[f32; 3]>,
 }
 
 impl Batch {
@@ -27,13 +29,24 @@ impl Batch {
         path: &PathResult,
     ) -> [f32; 3] {
         let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
-        let (lights, length) = match path.first_hit {
-            None => (scene.environment.seen_by_camera(ray.direction), 0.0),
-            Some(_) => (scene.environment.radiances(ray.direction), path.ice_length),
+        self.lights.clear();
+        self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
+        let length = match path.first_hit {
+            None => {
+                scene.lights.add_seen_by_camera(ray.direction, &mut self.lights);
+                0.0
+            }
+            Some(_) => {
+                scene.lights.add_radiances(ray.direction, &mut self.lights);
+                path.ice_length
+            }
         };
         let mut radiance = [0.0; 3];
         let in_strata = path.ice_in_strata.iter().any(|&length| length > 0.0);
-        for (slot, (light, colour)) in lights.iter().zip(&scene.colours).enumerate() {
+        for (slot, (light, colour)) in self.lights.iter().zip(&scene.colours).enumerate() {
+            if *light == [0.0; 3] && !scene.film.keep_ice_paths {
+                continue;
+            }
             let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
             let seen = match scene.strata_colours.get(slot) {
                 Some(strata) if in_strata => strata.apply(weight, length, &path.ice_in_strata),
@@ -50,7 +63,7 @@ impl Batch {
         radiance
     }
 
-    /// The ice paths that are kept: pixel, length in ice (metres), light of each spectrum before the ice.
+    /// The ice paths that are kept: pixel, length in ice (metres), light of each slot before the ice.
     pub(super) fn ice_paths(&self) -> impl Iterator<Item = ((u32, u32), f64, &[[f32; 3]])> {
         let spectra = self.weights.len() / self.lengths.len().max(1);
         let weights = self.weights.chunks_exact(spectra.max(1));

@@ -109,8 +109,8 @@ pub fn render_with<T>(
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
     film.grade = scene.grade.clone();
     if scene.film.keep_ice_paths {
-        let lights = scene.environment.spectra().len() as u32;
-        let greatest = scene.environment.greatest_radiance();
+        let lights = scene.lights.slots().len() as u32;
+        let greatest = scene.lights.greatest_radiance();
         film = film.keeping_ice_paths(IcePathLayout::for_radiance(lights, greatest))?;
     }
     let rendering = Rendering::new(scene, settings, &mut film);

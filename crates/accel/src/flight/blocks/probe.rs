@@ -3,10 +3,10 @@
 //! They are tested as the paths of a flight are, sixteen grains a round and sixteen rays a step, but
 //! end at the first grain.
 
-use super::{BlockFlight, unit_f32};
 use super::paths::{GROUP, get, set};
 use super::test::test_group;
 use super::update::{ProbedSets, probe_group};
+use super::{BlockFlight, unit_f32};
 use crate::flight::{FlightEvent, LANES};
 use crate::grain_grid::{GridPosition, RADIUS_MASK};
 use crate::{GrainGrid, SimdLevel, Surfaces};

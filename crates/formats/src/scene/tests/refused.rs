@@ -387,3 +387,33 @@ fn overrides_that_fit_nowhere_are_refused() {
     );
     assert!(set("snow.0={source=\"deposit\", radus=1}").starts_with("--set snow.0={"));
 }
+
+#[test]
+fn lights_that_cannot_shine_are_refused() {
+    let light = |lines: &str| instead("kind = \"sky\"", lines);
+    for elevation in ["0", "-3", "90.5", "nan"] {
+        let message = light(&format!("kind = \"sun-sky\"\nelevation = {elevation}"));
+        let expected =
+            format!("folder/scene.toml:7: light.0.elevation = {elevation}: must be above 0");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+    for (lines, expected) in [
+        ("kind = \"sun\"", "light.0.elevation is missing: say how high the sun stands"),
+        (
+            "kind = \"sky\"\nelevation = 3",
+            "light.0.elevation = 3: not a key of kind = \"sky\" but of \"clear-sky\", \"sun\", \"sun-sky\"",
+        ),
+        ("kind = \"sun\"\nelevation = 3\nradiance = 1", "light.0.radiance = 1: not a key of kind"),
+        ("kind = \"sun\"\nelevation = 3\nangular_diameter = 0", "must be 0.001 to 90 degrees"),
+        ("kind = \"sun\"\nelevation = 3\nazimuth = inf", "light.0.azimuth = inf: must be finite"),
+        (
+            "kind = \"sun\"\nelevation = 3\nstrength = -1",
+            "light.0.strength = -1: must be finite and not",
+        ),
+        ("kind = \"sky\"\ngroup = \"\"", "light.0.group = \"\": must be a name"),
+        ("kind = \"moon\"", "light.0.kind = \"moon\""),
+    ] {
+        let message = light(lines);
+        assert!(message.contains(expected), "{message}");
+    }
+}

@@ -67,9 +67,7 @@ impl Seeker<'_> {
         small: bool,
     ) -> Chance<'_> {
         match (order, trail.vertex) {
-            (0, Vertex::Surface(normal)) => {
-                Chance::Part(normal.dot(direction).max(0.0) / PI)
-            }
+            (0, Vertex::Surface(normal)) => Chance::Part(normal.dot(direction).max(0.0) / PI),
             (0..=GRAINS_BEFORE_RANDOM, _) if !small => Chance::All(&self.search.lights),
             (1, Vertex::Camera) if is_solved(trail, path) => Chance::Nothing,
             (0..=GRAINS_BEFORE_RANDOM, _) => Chance::All(&self.search.wide),

@@ -231,8 +231,8 @@ impl Seeker<'_> {
             let (index, ray, t) = of_ray[ray];
             let is_it = (grid.world(center) - grain.center).length_squared() < quantum * quantum;
             let reach = t + f64::from(distance) * quantum;
-            met[index] = is_it
-                && (surfaces.is_empty() || surfaces.intersect(&ray, reach, None).is_none());
+            met[index] =
+                is_it && (surfaces.is_empty() || surfaces.intersect(&ray, reach, None).is_none());
         });
         met
     }
