@@ -129,6 +129,14 @@ impl Scene {
             report,
         })
     }
+
+    /// Whether a ray of the camera may start in ice, as far as boxes tell.
+    pub(crate) fn may_start_in_ice(&self) -> bool {
+        let (starts, grains) = (self.camera.starts(), self.world.grid.bounds());
+        self.world.grid.grains() > 0
+            && starts.min.cmple(grains.max).all()
+            && starts.max.cmpge(grains.min).all()
+    }
 }
 
 /// What turns lengths in ice into colours in this scene.

@@ -35,6 +35,8 @@ pub(super) struct Stream<'a, 'film> {
     /// Paths that are prepared, the next one last.
     ready: Vec<NewPath<Tag>>,
     dry: bool,
+    /// Whether rays of the camera may start in ice.
+    may_start_in_ice: bool,
 }
 
 /// A task of which samples are under way.
@@ -109,6 +111,7 @@ impl<'a, 'film> Stream<'a, 'film> {
             dealing: None,
             ready: Vec::with_capacity(PREPARED as usize),
             dry: false,
+            may_start_in_ice: rendering.scene.may_start_in_ice(),
         }
     }
 
@@ -134,13 +137,19 @@ impl<'a, 'film> Stream<'a, 'film> {
         let first = dealing.sample;
         dealing.sample = dealing.samples.end.min(first + PREPARED);
         self.open[slot as usize].under_way += (dealing.sample - first) as u32;
+        let (rendering, may_start_in_ice) = (self.rendering, self.may_start_in_ice);
         // Backwards, as they are taken from the end.
         self.ready.extend((first..dealing.sample).rev().map(|sample| {
             let key = PathKey::new(scene.film.seed, stream, sample);
             let [jitter_x, jitter_y, _] = numbers(key, 0);
             let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
             let (lens, event) = place_of_lens(scene, key);
-            NewPath { tag: Tag { slot, x, y }, ray: scene.camera.ray(px, py, lens), key, event }
+            let ray = scene.camera.ray(px, py, lens);
+            // Such a path would be taken for one in air.
+            if may_start_in_ice && scene.world.grid.is_inside_grain(ray.origin) {
+                rendering.fail(RenderError::CameraInIce { point: ray.origin });
+            }
+            NewPath { tag: Tag { slot, x, y }, ray, key, event }
         }));
         true
     }
