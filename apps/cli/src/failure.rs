@@ -117,6 +117,7 @@ impl From<RenderError> for Failure {
             RenderError::Grid(_) | RenderError::Memory { .. } | RenderError::Enclosed { .. } => {
                 exit::REFUSED
             }
+            RenderError::CameraInIce { .. } => exit::BAD_INPUT,
             RenderError::Film(source) => Self::from(source).code,
         };
         Self::new(code, message)

@@ -29,6 +29,8 @@ pub struct SceneDescription {
     pub strata: Strata,
     /// How light is traced.
     pub integrator: IntegratorKind,
+    /// How lights are found.
+    pub light_finding: LightFinding,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
 }
@@ -200,7 +202,19 @@ pub enum SnowDescription {
 /// The closed set of integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum IntegratorKind {
-    /// Exact: every grain is met, light is found by escape only.
+    /// Every grain is met.
     #[default]
     Grains,
+}
+
+/// How light is found by paths among grains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum LightFinding {
+    /// Exact: where a path escapes or meets it, and nowhere else.
+    #[default]
+    Exact,
+    /// Small lights are looked for at every grain and surface ([`crate::transport::seek`]).
+    Sampled,
+    /// All lights are.
+    AllSampled,
 }

@@ -3,6 +3,7 @@
 use snowgrain_accel::GridError;
 use snowgrain_film::FilmError;
 use snowgrain_grains::GrainsError;
+use snowgrain_math::DVec3;
 use thiserror::Error;
 
 /// Why a scene cannot be rendered.
@@ -34,6 +35,17 @@ pub enum RenderError {
         x: u32,
         /// Row of the pixel.
         y: u32,
+    },
+    /// A camera ray would start in ice.
+    #[error(
+        "camera: its rays start within grains of snow, near [{}, {}, {}]; move the camera out of the snow, or give it a smaller aperture",
+        point.x,
+        point.y,
+        point.z
+    )]
+    CameraInIce {
+        /// Where, metres.
+        point: DVec3,
     },
     /// The scene needs more memory than there is.
     #[error(

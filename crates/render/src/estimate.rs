@@ -321,7 +321,7 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-        LightKind, Projection,
+        LightFinding, LightKind, Projection,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -346,6 +346,7 @@ mod tests {
             snow,
             strata: Strata::default(),
             integrator: IntegratorKind::Grains,
+            light_finding: LightFinding::Exact,
             packing: None,
         }
     }

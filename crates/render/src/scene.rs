@@ -1,10 +1,11 @@
 //! A scene that light can travel through.
 
 use crate::camera::Camera;
-use crate::description::{ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
 use crate::light::{LightSlot, Lights};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
+use crate::transport::seek::{LightSearch, Sought};
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
@@ -69,6 +70,8 @@ pub struct Scene {
     pub colours: Vec<IceColour>,
     /// The same after lengths in ice of several strata; empty where there are none.
     pub strata_colours: Vec<StrataColour>,
+    /// How light is looked for; `None` where it is only met.
+    pub search: Option<LightSearch>,
     /// Size and sampling of the picture.
     pub film: crate::description::FilmDescription,
     /// Digest of all content that decides the pixels but the seed and the samples.
@@ -113,6 +116,12 @@ impl Scene {
         let bounds = surfaces.bounds().union(&grid.bounds());
         let lights = Lights::new(&description.lights, description.camera.backdrop, &bounds);
         let grade = grade(description, lights.slots());
+        let search = match description.light_finding {
+            LightFinding::Exact => None,
+            LightFinding::Sampled => Some(Sought::Small),
+            LightFinding::AllSampled => Some(Sought::All),
+        };
+        let search = search.map(|sought| LightSearch::new(&lights, description.ice.eta(), sought));
         Ok(Self {
             hash: hash_scene(description, &digest),
             world: World {
@@ -123,12 +132,21 @@ impl Scene {
             },
             camera: Camera::new(&description.camera, &description.film),
             lights,
+            search,
             colours: grade.colours(),
             strata_colours: grade.strata_colours(&description.strata.loads),
             grade,
             film: description.film.clone(),
             report,
         })
+    }
+
+    /// Whether a ray of the camera may start in ice, as far as boxes tell.
+    pub(crate) fn may_start_in_ice(&self) -> bool {
+        let (starts, grains) = (self.camera.starts(), self.world.grid.bounds());
+        self.world.grid.grains() > 0
+            && starts.min.cmple(grains.max).all()
+            && starts.max.cmpge(grains.min).all()
     }
 }
 
@@ -205,7 +223,8 @@ fn build_grid(
         && description.strata.loads.is_empty()
     {
         let quantisation = quantisation_of(description, surfaces);
-        if let Some(lattice) = implicit_lattice(settings, quantisation, surfaces)? {
+        let searched = description.light_finding != LightFinding::Exact;
+        if let Some(lattice) = implicit_lattice(settings, quantisation, surfaces, searched)? {
             stage(BuildStage::Packing);
             report.snowfalls.push(None);
             return Ok(lattice);
@@ -221,11 +240,13 @@ fn build_grid(
     Ok((grid, digest))
 }
 
-/// The lattice without memory, where it is whole and has such a form, and no surface crosses it.
+/// The lattice without memory, where it is whole and has such a form, and no surface crosses it; as
+/// light that is `searched` for needs it.
 fn implicit_lattice(
     settings: &LatticeSettings,
     quantisation: Quantisation,
     surfaces: &Surfaces,
+    searched: bool,
 ) -> Result<Option<(GrainGrid, GrainDigest)>, RenderError> {
     let cell = LatticeCell::new(settings, &quantisation)
         .map_err(|source| RenderError::Snow { index: 0, source })?;
@@ -238,7 +259,8 @@ fn implicit_lattice(
     if !whole {
         return Ok(None);
     }
-    let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3]);
+    let build = if searched { GrainGrid::lattice_in_cells } else { GrainGrid::lattice };
+    let grid = build(quantisation, &packed, cell.counts, [0; 3], [false; 3]);
     let Some(grid) =
         grid.ok().filter(|grid| surfaces.is_empty() || !surfaces.may_cross(&grid.bounds()))
     else {

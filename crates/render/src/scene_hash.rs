@@ -2,7 +2,8 @@
 
 use crate::Strata;
 use crate::description::{
-    IceDescription, LightDescription, LightKind, ObjectShape, Packing, Projection, SceneDescription,
+    IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing, Projection,
+    SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -78,6 +79,11 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.tag("ice");
     hash_ice(&mut hash, &scene.ice);
     scene.lights.iter().for_each(|light| hash_light(&mut hash, light));
+    match scene.light_finding {
+        LightFinding::Exact => {}
+        LightFinding::Sampled => hash.tag("sampled"),
+        LightFinding::AllSampled => hash.tag("all sampled"),
+    }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();
     for object in &scene.objects {

@@ -13,7 +13,8 @@ use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription, SnowDescription,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use snowgrain_render::measure::{Incidence, SlabSettings, measure_slab};
 
@@ -57,6 +58,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         snow: vec![SnowDescription::Lattice(settings)],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }

@@ -9,7 +9,7 @@ use snowgrain_render::Strata;
 use snowgrain_render::camera::Camera;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, Projection, SceneDescription, SnowDescription,
+    LightFinding, LightKind, Projection, SceneDescription, SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, measure_body};
 use snowgrain_render::{RenderControl, RenderSettings, Rendered, Scene, render};
@@ -42,6 +42,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
         })],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }

@@ -13,7 +13,8 @@ use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription, SnowDescription,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
 use snowgrain_tests::{
@@ -93,6 +94,7 @@ fn pile(
         ))],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }

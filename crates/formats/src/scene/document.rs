@@ -7,6 +7,7 @@ mod light;
 
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 
+use super::focus::Focus;
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -94,32 +95,72 @@ impl Default for FilmTable {
     }
 }
 
-/// A pinhole camera.
+/// A camera: a pinhole, to which all is sharp, a thin lens, or parallel rays.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraTable {
-    /// Where the camera is: [x, y, z], lengths.
+    /// "perspective" (rays spread from a pinhole, or from a lens where there is `aperture` or
+    /// `f_number`) or "orthographic" (parallel rays, which start in the plane through `from`: what
+    /// lies behind it is not seen); default "perspective".
+    #[serde(default)]
+    pub kind: CameraKind,
+    /// Where the camera is (the middle of its lens): [x, y, z], lengths.
     pub from: [Length; 3],
     /// The point in the middle of the picture: [x, y, z], lengths.
     pub at: [Length; 3],
     /// The direction that is up in the picture: [x, y, z]; default [0, 1, 0].
     #[serde(default = "up")]
     pub up: [f64; 3],
-    /// Vertical field of view in degrees, above 0 and below 180; default 40.
-    #[serde(default = "vertical_fov")]
-    pub vertical_fov: f64,
+    /// Vertical field of view in degrees, above 0 and below 180, that of a lens focused at infinity;
+    /// default 40; perspective.
+    #[serde(default)]
+    pub vertical_fov: Option<f64>,
+    /// How much of the world the picture is high: a length above 0; orthographic.
+    #[serde(default)]
+    pub height: Option<Length>,
+    /// Diameter of the lens (its entrance pupil): a length above 0, as "2 mm"; default none, a
+    /// pinhole; perspective (this or `f_number`).
+    #[serde(default)]
+    pub aperture: Option<Length>,
+    /// f-number of the lens, as 2.8: its diameter is its focal length, sensor_height / (2 tan
+    /// (vertical_fov / 2)), divided by this; above 0; default none, a pinhole; perspective (this or
+    /// `aperture`).
+    #[serde(default)]
+    pub f_number: Option<f64>,
+    /// Height of the sensor, for `f_number`: a length above 0; default "24 mm"; perspective.
+    #[serde(default)]
+    pub sensor_height: Option<Length>,
+    /// What is sharp: the plane at a distance along the view, as "30 cm", or through a point
+    /// [x, y, z]; default through `at`; perspective with a lens.
+    #[serde(default)]
+    pub focus: Option<Focus>,
+    /// Blades of the diaphragm: 0 (a round opening) or 3 to 64 (a regular polygon with its corners on
+    /// the circle of the diameter); default 0; perspective with a lens.
+    #[serde(default)]
+    pub blades: Option<u32>,
+    /// Rotation of the polygon of the blades in degrees, counter-clockwise as blur behind the focus
+    /// shows it; default 0, a corner up; perspective with blades.
+    #[serde(default)]
+    pub blade_rotation: Option<f64>,
     /// What the camera sees behind everything, where no visible light is: radiance, one number or
     /// [r, g, b], at least 0; default 0. It lights nothing.
     #[serde(default = "black")]
     pub backdrop: Triple,
 }
 
-fn up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
+/// Kinds of camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraKind {
+    /// Rays spread from a point or a lens.
+    #[default]
+    Perspective,
+    /// Parallel rays.
+    Orthographic,
 }
 
-fn vertical_fov() -> f64 {
-    40.0
+fn up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
 }
 
 fn black() -> Triple {
@@ -377,11 +418,31 @@ pub enum LatticeName {
 #[derive(Clone, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (exact: every grain is met, light is found by escape only); default "grains".
+    /// "grains" (every grain is met); default "grains".
     pub kind: IntegratorName,
+    /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
+    /// (small lights, as the sun, are looked for at every grain and surface: far less noise, within 1 %
+    /// of exact), "all-sampled" (all lights are) or "auto" (sampled where there is a small light, else
+    /// exact); default "auto".
+    pub light: LightFindingName,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.
     pub packing: Option<PackingName>,
+}
+
+/// How lights are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightFindingName {
+    /// Sampled where there is a small light.
+    #[default]
+    Auto,
+    /// By chance.
+    Exact,
+    /// Small lights are looked for.
+    Sampled,
+    /// All lights are looked for.
+    AllSampled,
 }
 
 /// Packings of grains.

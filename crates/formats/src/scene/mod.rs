@@ -11,6 +11,7 @@
 mod builtin;
 pub mod document;
 mod error;
+mod focus;
 mod keys;
 mod mesh_scene;
 mod overrides;
@@ -24,6 +25,7 @@ mod tests;
 
 pub use builtin::{BuiltinScene, builtin_scene, builtin_scenes};
 pub use error::{LoadError, SceneError};
+pub use focus::Focus;
 pub use mesh_scene::{MeshScene, MeshSceneOptions, MeshUnits, UpAxis, scene_for_mesh};
 pub use parse::{MAX_SCENE_BYTES, SCENE_VERSION, SceneFile};
 pub use quantity::{Absorption, Length, LoadText, Triple};

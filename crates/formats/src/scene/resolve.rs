@@ -1,22 +1,24 @@
 //! Second stage: from a [`SceneFile`] to the [`SceneDescription`] that it means.
 
+mod camera;
 mod checks;
 mod lights;
 mod objects;
 mod snow;
 
-use super::document::{IntegratorName, KeepName, PackingName, PoresName, PrimariesName};
+use super::document::{
+    IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName,
+};
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
 use crate::laboratory::{impurity_kind, parse_load};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
-use snowgrain_math::DVec3;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, Packing, Pores, Projection, SceneDescription,
+    FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
+    Packing, Pores, SceneDescription,
 };
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
@@ -56,7 +58,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let checks = Checks::new(file);
     let Loader { mesh, grains } = loader;
     let film = film(&checks)?;
-    let camera = camera(&checks)?;
+    let camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
     let lights = lights::lights(&checks)?;
     let objects = objects::objects(&checks, mesh)?;
@@ -74,7 +76,26 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
-    Ok(SceneDescription { film, camera, ice, lights, objects, snow, strata, integrator, packing })
+    let light_finding = match file.document.integrator.light {
+        LightFindingName::Auto if lights.iter().any(LightDescription::is_small) => {
+            LightFinding::Sampled
+        }
+        LightFindingName::Auto | LightFindingName::Exact => LightFinding::Exact,
+        LightFindingName::Sampled => LightFinding::Sampled,
+        LightFindingName::AllSampled => LightFinding::AllSampled,
+    };
+    Ok(SceneDescription {
+        film,
+        camera,
+        ice,
+        lights,
+        objects,
+        snow,
+        strata,
+        integrator,
+        light_finding,
+        packing,
+    })
 }
 
 fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
@@ -97,35 +118,6 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
             PrimariesName::Acescg => Primaries::AcesCg,
         },
         keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
-    })
-}
-
-fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneError> {
-    let camera = &checks.document().camera;
-    let from = checks.position("camera.from", camera.from)?;
-    let at = checks.position("camera.at", camera.at)?;
-    let up = DVec3::from(checks.finite("camera.up", camera.up)?);
-    let gaze = (at - from).try_normalize();
-    let Some(gaze) = gaze else {
-        return Err(checks.bad("camera.at", "must differ from camera.from"));
-    };
-    let Some(upward) = (up / up.abs().max_element()).try_normalize() else {
-        return Err(checks.bad("camera.up", "must not be zero; [0, 1, 0] is usual"));
-    };
-    if gaze.cross(upward).length() < 1e-6 {
-        let mend = "must not point along the line of sight; to look straight down use [0, 0, -1]";
-        return Err(checks.bad("camera.up", mend));
-    }
-    let fov = camera.vertical_fov;
-    if !(fov > 0.0 && fov < 180.0) {
-        return Err(checks.bad("camera.vertical_fov", "must be above 0 and below 180 degrees"));
-    }
-    Ok(CameraDescription {
-        from,
-        at,
-        up,
-        projection: Projection::pinhole(fov),
-        backdrop: checks.radiance("camera.backdrop", camera.backdrop)?,
     })
 }
 

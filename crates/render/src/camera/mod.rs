@@ -9,7 +9,7 @@ mod aperture;
 pub use aperture::Aperture;
 
 use crate::description::{CameraDescription, FilmDescription, Projection};
-use snowgrain_math::{DVec3, Ray, trig};
+use snowgrain_math::{Aabb, DVec3, Ray, trig};
 
 /// A camera that looks along `forward`; image y runs down.
 #[derive(Clone, Debug)]
@@ -93,6 +93,18 @@ impl Camera {
     #[must_use]
     pub fn has_lens(&self) -> bool {
         matches!(self.rays, Rays::Lens { .. })
+    }
+
+    /// A box around the points where rays start, metres.
+    #[must_use]
+    pub fn starts(&self) -> Aabb {
+        let (a, b) = match &self.rays {
+            Rays::Pinhole => (DVec3::ZERO, DVec3::ZERO),
+            Rays::Lens { right, up, .. } => (*right, *up),
+            Rays::Parallel => (self.right, self.down),
+        };
+        let reach = a.abs() + b.abs();
+        Aabb::new(self.origin - reach, self.origin + reach)
     }
 
     /// The ray through a point of the image in pixels, from a place of the lens: (0, 0) is the upper

@@ -1,5 +1,6 @@
 //! Lights as plain data.
 
+use super::distant::Distant;
 use snowgrain_math::{DVec3, trig};
 use snowgrain_optics::Illuminant;
 
@@ -58,6 +59,12 @@ impl LightKind {
 }
 
 impl LightDescription {
+    /// Whether paths hardly find it by chance: it fills less than [`super::SMALL_SOLID_ANGLE`].
+    #[must_use]
+    pub fn is_small(&self) -> bool {
+        Distant::new(&self.kind).solid_angle() < super::SMALL_SOLID_ANGLE
+    }
+
     /// A light of this kind and radiance in the kind's own group, of D65, which the camera sees.
     #[must_use]
     pub fn new(kind: LightKind, strength: [f32; 3]) -> Self {

@@ -37,6 +37,17 @@ impl Distant {
         }
     }
 
+    /// The same light, a disc at least as wide as this angle (degrees).
+    pub(super) fn widened(&self, diameter_degrees: f64) -> Self {
+        match self {
+            Self::Sun(disc) => {
+                let wide = Disc::new(disc.middle, diameter_degrees);
+                Self::Sun(if wide.versine > disc.versine { wide } else { *disc })
+            }
+            other => other.clone(),
+        }
+    }
+
     /// Radiance from a direction.
     pub(super) fn radiance(&self, direction: DVec3) -> f64 {
         let above = direction.y > 0.0;

@@ -124,6 +124,22 @@ impl Lights {
         Self::assemble(self.slots.clone(), sources, None, self.scene_radius)
     }
 
+    /// The same slots and indices, with small lights at least as wide as this angle (degrees) and as
+    /// much less bright as leaves their light as it is; without the backdrop.
+    #[must_use]
+    pub fn widened(&self, diameter_degrees: f64) -> Self {
+        let mut sources = self.sources.clone();
+        for source in &mut sources {
+            let before = source.distant.solid_angle();
+            if before < SMALL_SOLID_ANGLE {
+                source.distant = source.distant.widened(diameter_degrees);
+                let part = (before / source.distant.solid_angle()) as f32;
+                source.strength = source.strength.map(|strength| strength * part);
+            }
+        }
+        Self::assemble(self.slots.clone(), sources, None, self.scene_radius)
+    }
+
     /// What a film keeps apart, each once, in the order of their first lights.
     #[must_use]
     pub fn slots(&self) -> &[LightSlot] {

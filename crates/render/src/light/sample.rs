@@ -39,6 +39,18 @@ impl Lights {
         Some(LightSample { light, slot: source.slot, direction, distance, radiance, pdf })
     }
 
+    /// A direction towards this light from the point `from`, as [`Self::sample`] draws it once the light
+    /// is chosen: the density is that of the direction alone.
+    #[must_use]
+    pub fn sample_light(&self, light: usize, from: DVec3, u: [f64; 2]) -> Option<LightSample> {
+        let _ = from;
+        let source = &self.sources[light];
+        let direction = source.distant.sample(u)?;
+        let pdf = source.distant.density(direction);
+        let (radiance, distance) = (source.radiance(direction), f64::INFINITY);
+        Some(LightSample { light, slot: source.slot, direction, distance, radiance, pdf })
+    }
+
     /// Density with which [`Self::sample`] gives this light at infinity in this direction, 1/sr.
     #[must_use]
     pub fn pdf_at_infinity(&self, light: usize, direction: DVec3) -> f64 {

@@ -2,7 +2,8 @@
 
 use crate::Scene;
 use crate::statistics::Statistics;
-use crate::transport::{PathEnd, PathResult};
+use crate::transport::{Contribution, PathEnd, PathResult};
+use snowgrain_accel::STRATA;
 use snowgrain_film::Sample;
 
 /// Samples of one tile that wait to be added to it.
@@ -27,7 +28,11 @@ impl Batch {
         scene: &Scene,
         pixel: (u32, u32),
         path: &PathResult,
+        found: &[Contribution],
     ) -> [f32; 3] {
+        if scene.search.is_some() && path.first_hit.is_some() {
+            return self.add_found(scene, pixel, found);
+        }
         let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
         self.lights.clear();
         self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
@@ -42,16 +47,12 @@ impl Batch {
             }
         };
         let mut radiance = [0.0; 3];
-        let in_strata = path.ice_in_strata.iter().any(|&length| length > 0.0);
-        for (slot, (light, colour)) in self.lights.iter().zip(&scene.colours).enumerate() {
+        for (slot, light) in self.lights.iter().enumerate() {
             if *light == [0.0; 3] && !scene.film.keep_ice_paths {
                 continue;
             }
             let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
-            let seen = match scene.strata_colours.get(slot) {
-                Some(strata) if in_strata => strata.apply(weight, length, &path.ice_in_strata),
-                _ => colour.apply(weight, length),
-            };
+            let seen = colour_of(scene, slot, weight, length, &path.ice_in_strata);
             radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
             if scene.film.keep_ice_paths {
                 self.weights.push(weight);
@@ -59,6 +60,22 @@ impl Batch {
         }
         if scene.film.keep_ice_paths {
             self.lengths.push((pixel, length));
+        }
+        radiance
+    }
+
+    /// The radiance of all light that was found along a path.
+    fn add_found(&mut self, scene: &Scene, pixel: (u32, u32), found: &[Contribution]) -> [f32; 3] {
+        let mut radiance = [0.0; 3];
+        for &Contribution { slot, weight, ice_length, ref ice_in_strata, .. } in found {
+            let seen = colour_of(scene, slot, weight, ice_length, ice_in_strata);
+            radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            if scene.film.keep_ice_paths {
+                let slots = scene.lights.slots().len();
+                let weights = (0..slots).map(|other| if other == slot { weight } else { [0.0; 3] });
+                self.weights.extend(weights);
+                self.lengths.push((pixel, ice_length));
+            }
         }
         radiance
     }
@@ -76,5 +93,21 @@ impl Batch {
         self.lengths.clear();
         self.weights.clear();
         self.statistics = Statistics::default();
+    }
+}
+
+/// The colour of light of a slot after its length in ice.
+fn colour_of(
+    scene: &Scene,
+    slot: usize,
+    weight: [f32; 3],
+    length: f64,
+    in_strata: &[f64; STRATA],
+) -> [f32; 3] {
+    match scene.strata_colours.get(slot) {
+        Some(strata) if in_strata.iter().any(|&length| length > 0.0) => {
+            strata.apply(weight, length, in_strata)
+        }
+        _ => scene.colours[slot].apply(weight, length),
     }
 }

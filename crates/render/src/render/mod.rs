@@ -13,7 +13,8 @@ mod stream;
 mod tile_sums;
 
 use crate::statistics::Statistics;
-use crate::transport::trace;
+use crate::transport::seek::Seeker;
+use crate::transport::trace_seeking;
 use crate::{RenderError, Scene};
 use passes::Passes;
 use snowgrain_accel::SimdLevel;
@@ -155,7 +156,10 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            trace(&self.scene.world, self.settings.level, &mut stream);
+            let Scene { world, camera, search, .. } = self.scene;
+            let level = self.settings.level;
+            let seeker = search.as_ref().map(|search| Seeker::new(world, camera, search, level));
+            trace_seeking(world, level, seeker, &mut stream);
             stream.flush();
         });
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();

@@ -11,7 +11,8 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries, SunZenith,
 };
 use snowgrain_render::description::{
-    IceDescription, LightDescription, LightKind, ObjectShape, SceneDescription, SnowDescription,
+    IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use std::f64::consts::PI;
 use std::path::Path;
@@ -33,7 +34,7 @@ fn deposit(scene: &SceneDescription) -> &DepositSettings {
 fn defaults_are_those_of_the_manual() {
     let scene = read(LEAST, &[]).unwrap();
     assert_eq!((scene.film.width, scene.film.height, scene.film.samples_per_pixel), (512, 512, 64));
-    assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
+    assert_eq!(scene.camera.projection, Projection::pinhole(40.0));
     assert_eq!(scene.camera.backdrop, [0.0; 3]);
     assert_eq!(scene.ice.ior, 1.31);
     assert_eq!(scene.ice.absorption, Absorption::Measured(IceAbsorption::Picard2016));
@@ -285,8 +286,42 @@ fn cubes_are_seen_by_the_camera_of_the_benchmark() {
         let from = center + DVec3::new(1.0, 0.9, 0.8).normalize() * (2.6 * side);
         assert!((scene.camera.at - center).length() < 1e-12 * side);
         assert!((scene.camera.from - from).length() < 1e-12 * side);
-        assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
+        assert_eq!(scene.camera.projection, Projection::pinhole(40.0));
     }
+}
+
+/// The camera of [`LEAST`] stands sqrt(10) m from where it looks.
+#[test]
+fn lenses_and_parallel_rays_are_what_the_manual_says() {
+    let projection = |changes: &[&str]| read(LEAST, changes).unwrap().camera.projection;
+    let lens = |changes: &[&str]| match projection(changes) {
+        Projection::Perspective { lens: Some(lens), .. } => lens,
+        other => panic!("{other:?}"),
+    };
+    let round = lens(&["camera.aperture=2mm"]);
+    let focus_distance = round.focus_distance;
+    assert!((focus_distance - 10f64.sqrt()).abs() < 1e-15);
+    let expected = Lens { diameter: 0.002, focus_distance, blades: 0, blade_rotation_degrees: 0.0 };
+    assert_eq!(round, expected);
+    let bladed = [
+        "camera.aperture=2mm",
+        "camera.focus=30cm",
+        "camera.blades=7",
+        "camera.blade_rotation=-12.5",
+    ];
+    let expected =
+        Lens { diameter: 0.002, focus_distance: 0.3, blades: 7, blade_rotation_degrees: -12.5 };
+    assert_eq!(lens(&bladed), expected);
+    // Half way: the plane through a point, wherever in it the point lies.
+    let beside = lens(&["camera.aperture=2mm", "camera.focus=[5, 0.5, 1.5]"]);
+    assert!((beside.focus_distance - 10f64.sqrt() / 2.0).abs() < 1e-12);
+    // 53.13 degrees: the sensor is as high as the lens is long.
+    let normal = ["camera.vertical_fov=53.13010235415598", "camera.f_number=2.4"];
+    assert!((lens(&normal).diameter - 0.01).abs() < 1e-15);
+    let small = [normal[0], normal[1], "camera.sensor_height=\"12 mm\""];
+    assert!((lens(&small).diameter - 0.005).abs() < 1e-15);
+    let parallel = projection(&["camera.kind=orthographic", "camera.height=10cm"]);
+    assert_eq!(parallel, Projection::Orthographic { height: 0.1 });
 }
 
 /// The object's extremes and 3 cm of snow on its top lie in the picture.
@@ -354,7 +389,10 @@ fn in_picture(scene: &SceneDescription, point: DVec3) -> [f64; 2] {
     let gaze = (camera.at - camera.from).normalize();
     let right = gaze.cross(camera.up).normalize();
     let offset = point - camera.from;
-    let half = (camera.vertical_fov_degrees * 0.5).to_radians();
+    let Projection::Perspective { vertical_fov_degrees, lens: None } = camera.projection else {
+        panic!("a pinhole")
+    };
+    let half = (vertical_fov_degrees * 0.5).to_radians();
     let reach = gaze.dot(offset) * snowgrain_math::trig::tan(half);
     [right.dot(offset) / reach, right.cross(gaze).dot(offset) / reach]
 }

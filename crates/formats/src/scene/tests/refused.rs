@@ -300,6 +300,31 @@ fn films_and_cameras_are_checked() {
 }
 
 #[test]
+fn lenses_and_parallel_rays_are_checked() {
+    let all = |assignments: &[&str]| refusal(LEAST, assignments);
+    let lens = |assignment: &str| all(&["camera.aperture=2mm", assignment]);
+    assert!(all(&["camera.aperture=0"]).contains("must be a finite length above 0"));
+    assert!(all(&["camera.f_number=0"]).contains("must be above 0, as 2.8"));
+    assert!(lens("camera.f_number=2").contains("camera.aperture says how wide"));
+    assert!(lens("camera.sensor_height=24mm").contains("only an f-number needs the sensor"));
+    assert!(lens("camera.focus=0").contains("must be a finite length above 0"));
+    assert!(lens("camera.focus=[0,1,4]").contains("must lie before the camera"));
+    assert!(lens("camera.focus=[0,1]").contains("a point [x, y, z]"));
+    assert!(lens("camera.focus=near").contains("unknown unit of length `near`"));
+    assert!(lens("camera.blades=2").contains("must be 0 (round) or 3 to 64"));
+    assert!(lens("camera.blade_rotation=3").contains("a round opening looks the same"));
+    assert!(all(&["camera.focus=1"]).contains("a pinhole has no lens"));
+    assert!(all(&["camera.blades=5"]).contains("a pinhole has no lens"));
+    assert!(all(&["camera.height=1"]).contains("is for kind = \"orthographic\""));
+    let parallel = |assignment: &str| all(&["camera.kind=orthographic", assignment]);
+    assert!(all(&["camera.kind=orthographic"]).contains("camera.height is missing: say how much"));
+    assert!(parallel("camera.height=-1").contains("must be a finite length above 0"));
+    assert!(parallel("camera.vertical_fov=40").contains("neither angle nor lens"));
+    assert!(parallel("camera.f_number=2").contains("neither angle nor lens"));
+    assert!(all(&["camera.kind=fisheye"]).contains("perspective"));
+}
+
+#[test]
 fn ice_lights_and_objects_are_checked() {
     let set = |assignment: &str| refusal(LEAST, &[assignment]);
     assert!(set("ice.ior=0.9").contains("ice.ior = 0.9: must be 1 to 4"));

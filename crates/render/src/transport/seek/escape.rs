@@ -29,6 +29,9 @@ impl Seeker<'_> {
     ) {
         let search = self.search;
         let order = trail.order(path.grain_visits);
+        if order == 0 && trail.vertex == Vertex::Camera {
+            return;
+        }
         for light in 0..search.lights.count() {
             let small = search.is_small[light];
             let chance = if search.is_sought[light] {

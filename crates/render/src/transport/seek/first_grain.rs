@@ -22,7 +22,6 @@ use crate::transport::Contribution;
 use snowgrain_accel::{GrainVisit, Probe, ProbeAnswer};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, trig};
-use snowgrain_optics::Connection;
 
 /// Rays of a window that are followed at once.
 const TRIALS: usize = 8;
@@ -121,7 +120,6 @@ impl Seeker<'_> {
             for connection in connections {
                 let at = |angle: f64| turned(axis, sample.direction, cosine, angle);
                 let solution = Solution {
-                    connection,
                     entry: at(connection.entry),
                     exit: at(connection.exit),
                     to_light: sample.direction,
@@ -240,7 +238,6 @@ impl Seeker<'_> {
 
 /// A connection in the world.
 struct Solution {
-    connection: Connection,
     /// Outward normals of the grain where light from the camera enters and leaves.
     entry: DVec3,
     exit: DVec3,
