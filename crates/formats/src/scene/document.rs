@@ -27,7 +27,7 @@ pub struct SceneDocument {
     /// The ice that grains are made of.
     #[serde(default)]
     pub ice: IceTable,
-    /// The lights; their radiances add.
+    /// The lights; their radiances add. At least one, or an object with `emission`.
     #[serde(default)]
     pub light: Vec<LightTable>,
     /// Solid diffuse objects.
@@ -187,6 +187,16 @@ pub struct ObjectTable {
     /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.
     #[serde(default = "half")]
     pub albedo: Triple,
+    /// Radiance that it sends out on both sides, as a lamp: one number or [r, g, b], at least 0; it is black
+    /// then and takes no albedo; not for a plane; default none.
+    #[serde(default)]
+    pub emission: Option<Triple>,
+    /// Spectrum of the emission, as `light.spectrum`; default "d65".
+    #[serde(default)]
+    pub emission_spectrum: Option<SpectrumName>,
+    /// Group of the emission, as `light.group`; default "lamps".
+    #[serde(default)]
+    pub emission_group: Option<String>,
     /// Scale: one number or [x, y, z], none of them 0; default 1.
     #[serde(default = "one")]
     pub scale: Triple,

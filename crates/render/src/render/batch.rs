@@ -28,18 +28,22 @@ impl Batch {
         pixel: (u32, u32),
         path: &PathResult,
     ) -> [f32; 3] {
-        let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
         self.lights.clear();
         self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
-        let length = match path.first_hit {
-            None => {
+        let length = match (path.end, path.first_hit) {
+            (PathEnd::Escaped(ray), None) => {
                 scene.lights.add_seen_by_camera(ray.direction, &mut self.lights);
                 0.0
             }
-            Some(_) => {
+            (PathEnd::Escaped(ray), Some(_)) => {
                 scene.lights.add_radiances(ray.direction, &mut self.lights);
                 path.ice_length
             }
+            (PathEnd::Emitted { light, .. }, _) => {
+                scene.lights.add_emission(light, &mut self.lights);
+                path.ice_length
+            }
+            (PathEnd::Absorbed | PathEnd::Enclosed, _) => return [0.0; 3],
         };
         let mut radiance = [0.0; 3];
         let in_strata = path.ice_in_strata.iter().any(|&length| length > 0.0);

@@ -8,7 +8,7 @@ use crate::World;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{Flight, FlightEvent, SimdLevel, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::{DVec3, Ray, frame};
+use snowgrain_math::{Ray, frame};
 
 /// What the walk keeps of a path beside its lane in the flight.
 #[derive(Clone, Copy)]
@@ -110,16 +110,14 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 let ray = self.flight.ray(lane);
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
             }
-            FlightEvent::Surface(hit) => {
-                match self.scatter(lane, &hit, self.flight.ray(lane).origin) {
-                    Err(end) => Some(end),
-                    Ok(ray) => {
-                        let event = self.flight.travelled(lane).event;
-                        self.flight.bounce(lane, ray.direction, hit.id, event);
-                        None
-                    }
+            FlightEvent::Surface(hit) => match self.scatter(lane, &hit, self.flight.ray(lane)) {
+                Err(end) => Some(end),
+                Ok(ray) => {
+                    let event = self.flight.travelled(lane).event;
+                    self.flight.bounce(lane, ray.direction, hit.id, event);
+                    None
                 }
-            }
+            },
         };
         if let Some(end) = end {
             self.finish(lane, end, source);
@@ -156,7 +154,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
                     return None;
                 }
                 (Some(hit), _) => {
-                    match self.scatter(lane, &hit, ray.at(hit.t)) {
+                    let arrival = Ray::new(ray.at(hit.t), ray.direction);
+                    match self.scatter(lane, &hit, arrival) {
                         Err(end) => return Some(end),
                         Ok(next) => ray = next,
                     }
@@ -181,13 +180,30 @@ impl<Tag: Copy> Walk<'_, Tag> {
         self.flight.release(lane, direction, event + 1);
     }
 
-    /// A diffuse bounce at `position`: the next ray, or how the path ends.
-    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Result<Ray, PathEnd> {
-        let event = self.flight.travelled(lane).event;
+    /// What a surface does to a path that arrives: the next ray, or how the path ends.
+    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, arrival: Ray) -> Result<Ray, PathEnd> {
+        let position = arrival.origin;
         let visits = self.flight.travelled(lane).grain_visits;
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
-        let albedo = self.world.albedos[hit.id.object as usize];
-        if visits == 0 && walker.surface_bounces == 0 {
+        let is_first = visits == 0 && walker.surface_bounces == 0;
+        let object = hit.id.object as usize;
+        if let Some(Some(emitter)) = self.world.emitters.get(object) {
+            if is_first && !emitter.visible_to_camera {
+                return Ok(arrival);
+            }
+            if is_first {
+                walker.first_hit =
+                    Some(FirstHit { position, normal: hit.normal, albedo: [0.0; 3] });
+            }
+            return Err(if emitter.shines_towards(hit.normal) {
+                PathEnd::Emitted { light: emitter.light, position, normal: hit.normal }
+            } else {
+                PathEnd::Absorbed
+            });
+        }
+        let event = self.flight.travelled(lane).event;
+        let albedo = self.world.albedos[object];
+        if is_first {
             walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });
         }
         walker.surface_bounces += 1;
