@@ -6,7 +6,7 @@ use snowgrain_formats::scene::{
     LoadError, Loader, MeshSceneOptions, SceneFile, builtin_scene, builtin_scenes, resolve,
     scene_for_mesh,
 };
-use snowgrain_formats::{PlyContent, load_mesh, ply_content, read_grains};
+use snowgrain_formats::{PlyContent, load_environment, load_mesh, ply_content, read_grains};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_render::description::SceneDescription;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,11 @@ pub(crate) fn load(
             SceneFile::parse(&made.toml, path, &overrides)?
         }
     };
-    let loader = Loader { mesh: &mut read_mesh(given), grains: &mut |path| Ok(read_grains(path)?) };
+    let loader = Loader {
+        mesh: &mut read_mesh(given),
+        grains: &mut |path| Ok(read_grains(path)?),
+        environment: &mut |path| Ok(load_environment(path)?),
+    };
     let description = resolve(&file, loader)?;
     Ok(LoadedScene { name: path.display().to_string(), description, assumptions })
 }

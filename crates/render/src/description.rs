@@ -213,8 +213,8 @@ pub enum LightFinding {
     /// Exact: where a path escapes or meets it, and nowhere else.
     #[default]
     Exact,
-    /// Small lights are looked for at every grain and surface ([`crate::transport::seek`]).
+    /// All lights but skies are looked for at every grain and surface ([`crate::transport::seek`]).
     Sampled,
-    /// All lights are.
+    /// All lights are looked for.
     AllSampled,
 }

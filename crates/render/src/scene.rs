@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
-use crate::light::{LightSlot, Lights};
+use crate::light::{LightSlot, Lights, LitSurfaces};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
 use crate::transport::seek::{LightSearch, Sought};
@@ -12,7 +12,7 @@ use snowgrain_geometry::{Quantisation, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
-use snowgrain_math::{Aabb, DVec3};
+use snowgrain_math::{Aabb, DAffine3, DVec3};
 use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub enum BuildStage {
     },
     /// Grains are packed for light.
     Packing,
+    /// What the search for light forgets is measured ([`crate::transport::seek::calibrate`]).
+    Light,
 }
 
 /// What a build made.
@@ -107,30 +109,46 @@ impl Scene {
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
         stage(BuildStage::Surfaces);
-        let surfaces = surfaces_of(description).with_level(level);
+        let objects = surfaces_of(description).with_level(level);
+        let bounds = objects.bounds();
+        let lit = LitSurfaces::new(shapes_of(description), &description.lights);
         let mut report = BuildReport::default();
-        let (grid, digest) = build_grid(description, &surfaces, level, &mut report, stage)?;
+        let (grid, surfaces, digest) =
+            build_grid(description, (objects, &lit, level), &mut report, stage)?;
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
-        let bounds = surfaces.bounds().union(&grid.bounds());
-        let lights = Lights::new(&description.lights, description.camera.backdrop, &bounds);
+        let bounds = bounds.union(&grid.bounds());
+        let lights = Lights::new(&description.lights, &lit, description.camera.backdrop, &bounds);
         let grade = grade(description, lights.slots());
-        let search = match description.light_finding {
+        let world = World {
+            grid,
+            surfaces,
+            albedos: description.objects.iter().map(|object| object.albedo).collect(),
+            emitters: lit.emitters,
+            eta: description.ice.eta(),
+        };
+        let film = &description.film;
+        let camera = Camera::new(&description.camera, film);
+        let sought = match description.light_finding {
             LightFinding::Exact => None,
-            LightFinding::Sampled => Some(Sought::Small),
+            LightFinding::Sampled => Some(Sought::NotSkies),
             LightFinding::AllSampled => Some(Sought::All),
         };
-        let search = search.map(|sought| LightSearch::new(&lights, description.ice.eta(), sought));
+        let search = sought.map(|sought| {
+            stage(BuildStage::Light);
+            let size = [film.width, film.height];
+            LightSearch::new(&lights, world.eta, sought).calibrated(
+                (&world, &camera),
+                size,
+                film.seed,
+                level,
+            )
+        });
         Ok(Self {
             hash: hash_scene(description, &digest),
-            world: World {
-                grid,
-                surfaces,
-                albedos: description.objects.iter().map(|object| object.albedo).collect(),
-                eta: description.ice.eta(),
-            },
-            camera: Camera::new(&description.camera, &description.film),
+            world,
+            camera,
             lights,
             search,
             colours: grade.colours(),
@@ -190,11 +208,16 @@ pub fn deposit_at(
     Ok((field, report.snowfalls))
 }
 
-/// The surfaces of a scene's objects, in their order. Objects with the same mesh share it.
+/// The surfaces of a scene's objects, in their order, without lamps. Objects with the same mesh share it.
 #[must_use]
 pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
+    Surfaces::new(&shapes_of(description))
+}
+
+/// The shapes of a scene's objects, in their order.
+fn shapes_of(description: &SceneDescription) -> Vec<(SurfaceShape, DAffine3)> {
     let pot = LazyCell::new(|| Arc::new(teapot(TEAPOT_DIVISIONS)));
-    let shapes: Vec<_> = description
+    description
         .objects
         .iter()
         .map(|object| {
@@ -207,37 +230,47 @@ pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
             };
             (shape, object.transform)
         })
-        .collect();
-    Surfaces::new(&shapes)
+        .collect()
 }
 
-/// One lattice alone needs no memory; everything else is packed grain by grain.
+/// One lattice alone needs no memory; everything else is packed grain by grain. Gives the surfaces that
+/// light meets, too.
 fn build_grid(
     description: &SceneDescription,
-    surfaces: &Surfaces,
-    level: SimdLevel,
+    (objects, lit, level): (Surfaces, &LitSurfaces, SimdLevel),
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainGrid, GrainDigest), RenderError> {
+) -> Result<(GrainGrid, Surfaces, GrainDigest), RenderError> {
+    let has_lamps = lit.shapes.len() > description.objects.len();
     if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
         && description.strata.loads.is_empty()
     {
-        let quantisation = quantisation_of(description, surfaces);
+        let quantisation = quantisation_of(description, &objects);
+        let with_lamps = has_lamps.then(|| Surfaces::new(&lit.shapes).with_level(level));
+        let surfaces = with_lamps.as_ref().unwrap_or(&objects);
         let searched = description.light_finding != LightFinding::Exact;
-        if let Some(lattice) = implicit_lattice(settings, quantisation, surfaces, searched)? {
+        let lattice = implicit_lattice(settings, quantisation, surfaces, searched)?;
+        if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);
             report.snowfalls.push(None);
-            return Ok(lattice);
+            return Ok((grid, with_lamps.unwrap_or(objects), digest));
         }
     }
     let mut known = KnownGrains::new(description.strata.clone());
-    let field = fall(description, (surfaces, level), &mut known, report, stage)?;
+    let field = fall(description, (&objects, level), &mut known, report, stage)?;
     stage(BuildStage::Packing);
+    // Snow falls through lamps.
+    let surfaces = if has_lamps {
+        drop(objects);
+        Surfaces::new(&lit.shapes).with_level(level)
+    } else {
+        objects
+    };
     let quantisation = field.quantisation;
     let packing = description.packing.unwrap_or_default();
-    let grid = field.pack_in_strata(surfaces, packing, &known.of_field(&field))?;
+    let grid = field.pack_in_strata(&surfaces, packing, &known.of_field(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
-    Ok((grid, digest))
+    Ok((grid, surfaces, digest))
 }
 
 /// The lattice without memory, where it is whole and has such a form, and no surface crosses it; as

@@ -129,13 +129,37 @@ fn hash_light(hash: &mut Hash, light: &LightDescription) {
         LightKind::Overcast => "overcast",
         LightKind::ClearSky { .. } => "clear-sky",
         LightKind::Sun { .. } => "sun",
+        LightKind::Environment { .. } => "environment",
+        LightKind::Sphere { .. } => "sphere-light",
+        LightKind::Quad { .. } => "quad-light",
+        LightKind::Object { .. } => "object-light",
+        LightKind::Point { .. } => "point-light",
+        LightKind::Spot { .. } => "spot-light",
     });
-    match light.kind {
+    match &light.kind {
         LightKind::Sky | LightKind::Uniform | LightKind::Overcast => {}
         LightKind::ClearSky { sun } => hash.doubles(&sun.to_array()),
         LightKind::Sun { direction, diameter_degrees } => {
             hash.doubles(&direction.to_array());
-            hash.doubles(&[diameter_degrees]);
+            hash.doubles(&[*diameter_degrees]);
+        }
+        LightKind::Environment { map, rotation_degrees } => {
+            hash.words(&[map.width() as u32, map.height() as u32]);
+            map.pixels().iter().for_each(|pixel| hash.floats(pixel));
+            hash.doubles(&[*rotation_degrees]);
+        }
+        LightKind::Sphere { center, radius } => {
+            hash.doubles(&center.to_array());
+            hash.doubles(&[*radius]);
+        }
+        LightKind::Quad { corner, edges: [u, v] } => {
+            [corner, u, v].iter().for_each(|vector| hash.doubles(&vector.to_array()));
+        }
+        LightKind::Object { object } => hash.words(&[*object as u32]),
+        LightKind::Point { position } => hash.doubles(&position.to_array()),
+        LightKind::Spot { position, direction, inner_degrees, outer_degrees } => {
+            [position, direction].iter().for_each(|vector| hash.doubles(&vector.to_array()));
+            hash.doubles(&[*inner_degrees, *outer_degrees]);
         }
     }
     hash.floats(&light.strength);

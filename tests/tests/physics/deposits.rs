@@ -23,7 +23,7 @@ use snowgrain_tests::{
 
 const R: f64 = 0.5e-3;
 
-fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettings {
+pub(crate) fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettings {
     DepositSettings {
         amount: Amount::Grains(grains),
         radii: Radii { mean: R, variation: 0.0 },
@@ -60,7 +60,7 @@ fn deep_piles_fill_as_much_as_independent_programs_found() {
 }
 
 /// A pile of the paper's rule on a floor with a box in it, seen from above at a slant.
-fn pile(
+pub(crate) fn pile(
     grains: u64,
     width: f64,
     albedo: [f32; 3],

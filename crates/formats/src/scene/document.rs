@@ -28,7 +28,7 @@ pub struct SceneDocument {
     /// The ice that grains are made of.
     #[serde(default)]
     pub ice: IceTable,
-    /// The lights; their radiances add.
+    /// The lights; their radiances add. At least one, or an object with `emission`.
     #[serde(default)]
     pub light: Vec<LightTable>,
     /// Solid diffuse objects.
@@ -228,6 +228,16 @@ pub struct ObjectTable {
     /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.
     #[serde(default = "half")]
     pub albedo: Triple,
+    /// Radiance that it sends out on both sides, as a lamp: one number or [r, g, b], at least 0; it is black
+    /// then and takes no albedo; not for a plane; default none.
+    #[serde(default)]
+    pub emission: Option<Triple>,
+    /// Spectrum of the emission, as `light.spectrum`; default "d65".
+    #[serde(default)]
+    pub emission_spectrum: Option<SpectrumName>,
+    /// Group of the emission, as `light.group`; default "lamps".
+    #[serde(default)]
+    pub emission_group: Option<String>,
     /// Scale: one number or [x, y, z], none of them 0; default 1.
     #[serde(default = "one")]
     pub scale: Triple,
@@ -421,9 +431,9 @@ pub struct IntegratorTable {
     /// "grains" (every grain is met); default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
-    /// (small lights, as the sun, are looked for at every grain and surface: far less noise, within 1 %
-    /// of exact), "all-sampled" (all lights are) or "auto" (sampled where there is a small light, else
-    /// exact); default "auto".
+    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, on average
+    /// within 1 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
+    /// sampled); default "auto".
     pub light: LightFindingName,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.

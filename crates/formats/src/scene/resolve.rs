@@ -20,6 +20,7 @@ use snowgrain_render::description::{
     FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
     Packing, Pores, SceneDescription,
 };
+use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -31,12 +32,17 @@ pub type ReadMesh<'a> = dyn FnMut(&Path) -> Result<TriangleMesh, LoadError> + 'a
 /// Reads a grain file.
 pub type ReadGrains<'a> = dyn FnMut(&Path) -> Result<GrainField, LoadError> + 'a;
 
+/// Reads a map of all directions.
+pub type ReadEnvironment<'a> = dyn FnMut(&Path) -> Result<EnvironmentMap, LoadError> + 'a;
+
 /// How the files that a scene refers to are read.
 pub struct Loader<'a> {
     /// Reads a mesh.
     pub mesh: &'a mut ReadMesh<'a>,
     /// Reads grains.
     pub grains: &'a mut ReadGrains<'a>,
+    /// Reads a map.
+    pub environment: &'a mut ReadEnvironment<'a>,
 }
 
 /// What the scene means: every value checked, units converted, references loaded (relative to the
@@ -50,18 +56,24 @@ pub struct Loader<'a> {
 /// let scene = builtin_scene("snowy-teapot").unwrap();
 /// let file = SceneFile::parse(scene.toml, "snowy-teapot".as_ref(), &["film.width=64".into()])?;
 /// let none = |_: &std::path::Path| Err("it refers to no file".into());
-/// let description = resolve(&file, Loader { mesh: &mut { none }, grains: &mut |_| Err("nor here".into()) })?;
+/// let loader = Loader {
+///     mesh: &mut { none },
+///     grains: &mut |_| Err("nor here".into()),
+///     environment: &mut |_| Err("nor here".into()),
+/// };
+/// let description = resolve(&file, loader)?;
 /// assert_eq!(description.film.width, 64);
 /// # Ok::<(), snowgrain_formats::scene::SceneError>(())
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains } = loader;
+    let Loader { mesh, grains, environment } = loader;
     let film = film(&checks)?;
     let camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
-    let lights = lights::lights(&checks)?;
-    let objects = objects::objects(&checks, mesh)?;
+    let mut lights = lights::lights(&checks, environment)?;
+    let (objects, lamps) = objects::objects(&checks, mesh)?;
+    lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
     let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;
@@ -72,16 +84,17 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let integrator = match file.document.integrator.kind {
         IntegratorName::Grains => IntegratorKind::Grains,
     };
+    lights::refuse_points(&checks, integrator)?;
     let packing = file.document.integrator.packing.map(|name| match name {
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
     let light_finding = match file.document.integrator.light {
-        LightFindingName::Auto if lights.iter().any(LightDescription::is_small) => {
-            LightFinding::Sampled
+        LightFindingName::Auto if lights.iter().all(LightDescription::is_sky) => {
+            LightFinding::Exact
         }
-        LightFindingName::Auto | LightFindingName::Exact => LightFinding::Exact,
-        LightFindingName::Sampled => LightFinding::Sampled,
+        LightFindingName::Exact => LightFinding::Exact,
+        LightFindingName::Auto | LightFindingName::Sampled => LightFinding::Sampled,
         LightFindingName::AllSampled => LightFinding::AllSampled,
     };
     Ok(SceneDescription {

@@ -9,6 +9,7 @@ use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_math::DVec3;
 use snowgrain_render::description::SceneDescription;
+use snowgrain_render::light::EnvironmentMap;
 use std::path::Path;
 
 /// The least scene; tests add to it.
@@ -37,7 +38,16 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
         _ => Err(LoadError::from("no such file")),
     };
     let read_grains = |_: &Path| Err::<GrainField, _>(LoadError::from("a header without end"));
-    resolve(file, Loader { mesh: &mut { read_mesh }, grains: &mut { read_grains } })
+    let read_environment = |path: &Path| match path.to_str() {
+        Some("folder/sky.hdr") => Ok(EnvironmentMap::new(2, 1, vec![[1.0; 3]; 2])?),
+        _ => Err(LoadError::from("no such file")),
+    };
+    let loader = Loader {
+        mesh: &mut { read_mesh },
+        grains: &mut { read_grains },
+        environment: &mut { read_environment },
+    };
+    resolve(file, loader)
 }
 
 /// Reads `text` as the file `folder/scene.toml`, with overrides.

@@ -39,9 +39,10 @@ impl ClearSky {
         }
         let [rows, columns] = CELLS;
         let bounds = (0..=rows).map(|row| 1.0 - row as f64 / rows as f64).collect();
-        let table = DirectionTable::new(bounds, columns, |row, column| {
+        let table = DirectionTable::new(bounds, columns, |row| {
             let height = 1.0 - (row as f64 + 0.5) / rows as f64;
-            luminance(direction_at(height, (column as f64 + 0.5) / columns as f64))
+            let at = |column| direction_at(height, (column as f64 + 0.5) / columns as f64);
+            (0..columns).map(|column| luminance(at(column))).collect()
         });
         let point = TAU / (heights * azimuths) as f64;
         let scale = PI / (irradiance * point);

@@ -1,8 +1,9 @@
 //! Lights as plain data.
 
-use super::distant::Distant;
+use super::environment::EnvironmentMap;
 use snowgrain_math::{DVec3, trig};
 use snowgrain_optics::Illuminant;
+use std::sync::Arc;
 
 /// A light: what it is, and how much of which light it gives to which group.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +45,61 @@ pub enum LightKind {
         /// Angle across it, degrees, above 0 and at most 90.
         diameter_degrees: f64,
     },
+    /// A picture of all directions; `strength` is a factor on its pixels.
+    Environment {
+        /// The picture.
+        map: Arc<EnvironmentMap>,
+        /// By how many degrees it is turned about y, counter-clockwise as seen from above.
+        rotation_degrees: f64,
+    },
+    /// A luminous sphere; `strength` is its radiance.
+    Sphere {
+        /// Its middle, metres.
+        center: DVec3,
+        /// Metres, above 0.
+        radius: f64,
+    },
+    /// A luminous parallelogram, of which one side shines: that from which the edges turn counter-clockwise
+    /// (`edges[0] x edges[1]` points to where the light goes). `strength` is its radiance.
+    Quad {
+        /// A corner, metres.
+        corner: DVec3,
+        /// The edges from there, metres, not parallel.
+        edges: [DVec3; 2],
+    },
+    /// An object of the scene, both of whose sides shine; `strength` is its radiance, and its albedo does not
+    /// count. A plane shines but is never looked for.
+    Object {
+        /// Index of the object.
+        object: usize,
+    },
+    /// A point; `strength` is its intensity: radiance times m^2. No path meets it, so that it lights only
+    /// where light is looked for.
+    Point {
+        /// Where, metres.
+        position: DVec3,
+    },
+    /// A point that shines into a cone; `strength` is its intensity along the axis: radiance times m^2. No
+    /// path meets it, so that it lights only where light is looked for.
+    Spot {
+        /// Where, metres.
+        position: DVec3,
+        /// Along the axis.
+        direction: DVec3,
+        /// Angle from the axis, degrees, within which the intensity is whole.
+        inner_degrees: f64,
+        /// Angle from the axis, degrees, beyond which it is none; above the inner one and at most 180.
+        outer_degrees: f64,
+    },
 }
 
 impl LightKind {
+    /// Whether it is a point, which no path meets.
+    #[must_use]
+    pub fn is_point(&self) -> bool {
+        matches!(self, Self::Point { .. } | Self::Spot { .. })
+    }
+
     /// The group of a light that names none.
     #[must_use]
     pub fn default_group(&self) -> &'static str {
@@ -54,18 +107,36 @@ impl LightKind {
             Self::Sky | Self::Overcast | Self::ClearSky { .. } => "sky",
             Self::Uniform => "uniform",
             Self::Sun { .. } => "sun",
+            Self::Environment { .. } => "environment",
+            Self::Sphere { .. }
+            | Self::Quad { .. }
+            | Self::Object { .. }
+            | Self::Point { .. }
+            | Self::Spot { .. } => "lamps",
         }
     }
 }
 
 impl LightDescription {
-    /// Whether paths hardly find it by chance: it fills less than [`super::SMALL_SOLID_ANGLE`].
+    /// Whether it is the whole sky, which paths find by themselves.
     #[must_use]
-    pub fn is_small(&self) -> bool {
-        Distant::new(&self.kind).solid_angle() < super::SMALL_SOLID_ANGLE
+    pub fn is_sky(&self) -> bool {
+        match self.kind {
+            LightKind::Sky
+            | LightKind::Uniform
+            | LightKind::Overcast
+            | LightKind::ClearSky { .. } => true,
+            LightKind::Sun { .. }
+            | LightKind::Environment { .. }
+            | LightKind::Sphere { .. }
+            | LightKind::Quad { .. }
+            | LightKind::Object { .. }
+            | LightKind::Point { .. }
+            | LightKind::Spot { .. } => false,
+        }
     }
 
-    /// A light of this kind and radiance in the kind's own group, of D65, which the camera sees.
+    /// A light of this kind and strength in the kind's own group, of D65, which the camera sees.
     #[must_use]
     pub fn new(kind: LightKind, strength: [f32; 3]) -> Self {
         let group = kind.default_group().to_owned();

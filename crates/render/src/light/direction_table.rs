@@ -17,21 +17,20 @@ pub(super) struct DirectionTable {
 }
 
 impl DirectionTable {
-    /// The density in proportion to `weight(row, column)`, finite and at least 0. Column 0 begins where the
-    /// azimuth is -180 degrees; it grows clockwise.
+    /// The density in proportion to the weights of each row, finite and at least 0; as many in each as there
+    /// are `columns`. Column 0 begins where the azimuth is -180 degrees; it grows clockwise.
     pub(super) fn new(
         heights: Vec<f64>,
         columns: usize,
-        weight: impl Fn(usize, usize) -> f64,
+        mut weights: impl FnMut(usize) -> Vec<f64>,
     ) -> Self {
         let rows = heights.len() - 1;
         let mut sums = Vec::with_capacity(rows);
         let cells = (0..rows)
             .map(|row| {
-                let of = |column| weight(row, column);
-                let solid_angle = heights[row] - heights[row + 1];
-                sums.push((0..columns).map(of).sum::<f64>() * solid_angle);
-                Choice::new((0..columns).map(of))
+                let weights = weights(row);
+                sums.push(weights.iter().sum::<f64>() * (heights[row] - heights[row + 1]));
+                Choice::new(weights)
             })
             .collect();
         Self { heights, rows: Choice::new(sums), cells, columns }
@@ -89,14 +88,17 @@ mod tests {
 
     #[test]
     fn dark_cells_are_never_chosen_and_their_density_is_none() {
-        let table = DirectionTable::new(vec![1.0, 0.5, 0.0], 4, |row, column| {
-            if row == 1 && column == 2 { 1.0 } else { 0.0 }
+        let table = DirectionTable::new(vec![1.0, 0.5, 0.0], 4, |row| {
+            if row == 1 { vec![0.0, 0.0, 1.0, 0.0] } else { vec![0.0; 4] }
         });
         let direction = table.sample([0.3, 0.5]).unwrap();
         assert!((0.0..0.5).contains(&direction.y));
         assert!((table.density(direction) - 4.0 / (TAU * 0.5)).abs() < 1e-12);
         assert_eq!(table.density(DVec3::Y), 0.0);
         assert_eq!(table.density(DVec3::NEG_Y), 0.0);
-        assert_eq!(DirectionTable::new(vec![1.0, 0.0], 2, |_, _| 0.0).sample([0.5, 0.5]), None);
+        assert_eq!(
+            DirectionTable::new(vec![1.0, 0.0], 2, |_| vec![0.0; 2]).sample([0.5, 0.5]),
+            None
+        );
     }
 }

@@ -3,21 +3,24 @@
 use super::clear_sky::ClearSky;
 use super::description::LightKind;
 use super::direction_table::direction_at;
+use super::environment::Environment;
 use core::f64::consts::{PI, TAU};
 use snowgrain_math::{DVec3, frame, trig};
+use std::sync::Arc;
 
 /// A light at infinity, of strength 1.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) enum Distant {
     Sky,
     Uniform,
     Overcast,
     ClearSky(ClearSky),
     Sun(Disc),
+    Environment(Arc<Environment>),
 }
 
 /// A disc of directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Disc {
     middle: DVec3,
     /// One less the cosine of the angle from the middle to the rim, which keeps its digits.
@@ -25,8 +28,9 @@ pub(super) struct Disc {
 }
 
 impl Distant {
-    pub(super) fn new(kind: &LightKind) -> Self {
-        match *kind {
+    /// A light of this kind; `None` for one within reach.
+    pub(super) fn new(kind: &LightKind) -> Option<Self> {
+        Some(match *kind {
             LightKind::Sky => Self::Sky,
             LightKind::Uniform => Self::Uniform,
             LightKind::Overcast => Self::Overcast,
@@ -34,7 +38,15 @@ impl Distant {
             LightKind::Sun { direction, diameter_degrees } => {
                 Self::Sun(Disc::new(direction, diameter_degrees))
             }
-        }
+            LightKind::Environment { ref map, rotation_degrees } => {
+                Self::Environment(Arc::new(Environment::new(map, rotation_degrees)))
+            }
+            LightKind::Sphere { .. }
+            | LightKind::Quad { .. }
+            | LightKind::Object { .. }
+            | LightKind::Point { .. }
+            | LightKind::Spot { .. } => return None,
+        })
     }
 
     /// The same light, a disc at least as wide as this angle (degrees).
@@ -49,16 +61,18 @@ impl Distant {
     }
 
     /// Radiance from a direction.
-    pub(super) fn radiance(&self, direction: DVec3) -> f64 {
+    pub(super) fn radiance(&self, direction: DVec3) -> [f32; 3] {
         let above = direction.y > 0.0;
-        match self {
+        let white = match self {
             Self::Sky => f64::from(u8::from(above)),
             Self::Uniform => 1.0,
             Self::Overcast if above => (1.0 + 2.0 * direction.y) / 3.0,
             Self::Overcast => 0.0,
             Self::ClearSky(sky) => sky.radiance(direction),
             Self::Sun(disc) => f64::from(u8::from(disc.contains(direction))),
-        }
+            Self::Environment(environment) => return environment.radiance(direction),
+        };
+        [white as f32; 3]
     }
 
     /// A direction of its light.
@@ -74,6 +88,7 @@ impl Distant {
             }
             Self::ClearSky(sky) => sky.sample(u),
             Self::Sun(disc) => Some(disc.sample(u)),
+            Self::Environment(environment) => environment.sample(u),
         }
     }
 
@@ -87,10 +102,11 @@ impl Distant {
             Self::Overcast => 0.0,
             Self::ClearSky(sky) => sky.density(direction),
             Self::Sun(disc) => f64::from(u8::from(disc.contains(direction))) / disc.solid_angle(),
+            Self::Environment(environment) => environment.density(direction),
         }
     }
 
-    /// Its radiance summed over all directions.
+    /// Its luminance summed over all directions.
     pub(super) fn total(&self) -> f64 {
         match self {
             Self::Sky => TAU,
@@ -98,6 +114,7 @@ impl Distant {
             Self::Overcast => 2.0 / 3.0 * TAU,
             Self::ClearSky(sky) => sky.total(),
             Self::Sun(disc) => disc.solid_angle(),
+            Self::Environment(environment) => environment.total(),
         }
     }
 
@@ -105,11 +122,36 @@ impl Distant {
     pub(super) fn solid_angle(&self) -> f64 {
         match self {
             Self::Sky | Self::Overcast | Self::ClearSky(_) => TAU,
-            Self::Uniform => 2.0 * TAU,
+            Self::Uniform | Self::Environment(_) => 2.0 * TAU,
             Self::Sun(disc) => disc.solid_angle(),
         }
     }
+
+    /// Whether its radiance is the same all over a hemisphere.
+    pub(super) fn is_constant(&self) -> bool {
+        match self {
+            Self::Sky | Self::Uniform => true,
+            Self::Overcast | Self::ClearSky(_) | Self::Sun(_) | Self::Environment(_) => false,
+        }
+    }
+
+    /// What scales the ice paths of a film where it is so bright: about its greatest radiance, of discs and
+    /// bright spots a small part.
+    pub(super) fn scale(&self) -> f32 {
+        match self {
+            Self::Sky | Self::Uniform | Self::Overcast => 1.0,
+            Self::ClearSky(sky) => sky.greatest() as f32,
+            Self::Sun(_) => 1.0 / SPOT_OVER_SCALE,
+            Self::Environment(environment) => {
+                let mean = environment.total() / (2.0 * TAU);
+                (environment.greatest() / SPOT_OVER_SCALE).max(mean as f32)
+            }
+        }
+    }
 }
+
+/// How many times brighter than what scales a film's ice paths a spot may be.
+pub(super) const SPOT_OVER_SCALE: f32 = 32_768.0;
 
 impl Disc {
     fn new(middle: DVec3, diameter_degrees: f64) -> Self {
@@ -131,7 +173,7 @@ impl Disc {
         (self.middle * (1.0 - versine) + s * (across * cos) + t * (across * sin)).normalize()
     }
 
-    fn solid_angle(&self) -> f64 {
+    pub(super) fn solid_angle(&self) -> f64 {
         TAU * self.versine
     }
 }

@@ -3,20 +3,26 @@
 //! A film keeps the light of each *slot* apart: of each pair of a group's name and a spectrum. A light
 //! belongs to one slot.
 
+mod area;
 mod choice;
 mod clear_sky;
 mod description;
 mod direction_table;
 mod distant;
+mod emitters;
+mod environment;
+mod near;
 mod sample;
 
 pub use description::{LightDescription, LightKind, direction_of};
 pub use distant::irradiance_of_disc;
+pub use emitters::{Emitter, LitSurfaces};
+pub use environment::{EnvironmentMap, LARGEST_MAP, check_map_size};
 pub use sample::LightSample;
 
 use choice::Choice;
-use core::f64::consts::PI;
-use distant::Distant;
+use distant::{Distant, SPOT_OVER_SCALE};
+use near::Near;
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_optics::Illuminant;
 
@@ -26,8 +32,16 @@ pub const BACKDROP_GROUP: &str = "backdrop";
 /// Solid angle, sr, below which light is hardly found by chance.
 pub const SMALL_SOLID_ANGLE: f64 = 0.1;
 
-/// How many times brighter than what scales a film's ice paths the disc of a sun may be.
-const DISC_OVER_SCALE: f32 = 32_768.0;
+/// How paths find a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightRole {
+    /// A whole sky: by themselves.
+    Sky,
+    /// A small disc at infinity: hardly ever.
+    Sun,
+    /// Anything else.
+    Lamp,
+}
 
 /// Lights that a film keeps together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,8 +61,14 @@ pub struct Lights {
     /// Indices of the lights at infinity that differ within a hemisphere.
     varying: Vec<usize>,
     choice: Choice,
-    /// Radius of a sphere around all that is finite in the scene, metres.
-    scene_radius: f64,
+    scene: Sphere,
+}
+
+/// A sphere around all that is finite in the scene, metres.
+#[derive(Clone, Copy, Debug)]
+struct Sphere {
+    center: DVec3,
+    radius: f64,
 }
 
 /// One light.
@@ -57,7 +77,14 @@ struct Source {
     slot: usize,
     strength: [f32; 3],
     visible_to_camera: bool,
-    distant: Distant,
+    origin: Origin,
+}
+
+/// Where light comes from.
+#[derive(Clone, Debug)]
+enum Origin {
+    Distant(Distant),
+    Near(Near),
 }
 
 /// Radiances by slot of what is the same all over a hemisphere.
@@ -72,43 +99,53 @@ struct Constant {
 }
 
 impl Lights {
-    /// These lights around a scene within `bounds` (metres; an empty box counts as one of a metre). Camera
-    /// rays that meet nothing see what is visible to the camera, and `backdrop` (of D65) where none of it
-    /// but discs is at infinity.
+    /// These lights in a scene of these surfaces, of which all but lamps is within `bounds` (metres; an empty
+    /// box counts as one of a metre). Camera rays that meet nothing see what is visible to the camera, and
+    /// `backdrop` (of D65) where none of it but discs is at infinity.
     #[must_use]
-    pub fn new(lights: &[LightDescription], backdrop: [f32; 3], bounds: &Aabb) -> Self {
+    pub fn new(
+        lights: &[LightDescription],
+        surfaces: &LitSurfaces,
+        backdrop: [f32; 3],
+        bounds: &Aabb,
+    ) -> Self {
         let slots = slots_of(lights, backdrop);
         let slot = |group: &str, spectrum| {
             slots.iter().position(|slot| slot.group == group && slot.spectrum == spectrum)
         };
-        let source = |light: &LightDescription| Source {
-            slot: slot(&light.group, light.spectrum).unwrap_or(0),
-            strength: light.strength,
-            visible_to_camera: light.visible_to_camera,
-            distant: Distant::new(&light.kind),
+        let source = |(light, description): (usize, &LightDescription)| {
+            let near = || Near::new(&description.kind, surfaces.of_light(light)).map(Origin::Near);
+            Source {
+                slot: slot(&description.group, description.spectrum).unwrap_or(0),
+                strength: description.strength,
+                visible_to_camera: description.visible_to_camera,
+                origin: Distant::new(&description.kind)
+                    .map(Origin::Distant)
+                    .or_else(near)
+                    .expect("every kind of light is at infinity, a surface or a point"),
+            }
         };
-        let sources = lights.iter().map(source).collect();
+        let sources = lights.iter().enumerate().map(source).collect();
         let backdrop = slot(BACKDROP_GROUP, Illuminant::D65)
             .filter(|_| shows_backdrop(lights, backdrop))
             .map(|slot| (slot, backdrop));
-        let scene_radius = if bounds.is_empty() { 1.0 } else { bounds.size().length() * 0.5 };
-        Self::assemble(slots, sources, backdrop, scene_radius)
+        Self::assemble(slots, sources, backdrop, Sphere::around(bounds))
     }
 
     fn assemble(
         slots: Vec<LightSlot>,
         sources: Vec<Source>,
         backdrop: Option<(usize, [f32; 3])>,
-        scene_radius: f64,
+        scene: Sphere,
     ) -> Self {
         let constant = Constant::new(slots.len(), &sources, backdrop);
-        let varies = |source: &Source| match source.distant {
-            Distant::Sky | Distant::Uniform => false,
-            Distant::Overcast | Distant::ClearSky(_) | Distant::Sun(_) => true,
+        let varies = |&light: &usize| match &sources[light].origin {
+            Origin::Distant(distant) => !distant.is_constant(),
+            Origin::Near(_) => false,
         };
-        let varying = (0..sources.len()).filter(|&light| varies(&sources[light])).collect();
-        let choice = Choice::new(sources.iter().map(|source| source.power(scene_radius)));
-        Self { slots, sources, constant, varying, choice, scene_radius }
+        let varying = (0..sources.len()).filter(varies).collect();
+        let choice = Choice::new(sources.iter().map(|source| source.power(scene)));
+        Self { slots, sources, constant, varying, choice, scene }
     }
 
     /// The same slots and indices with only the lights that `keep` says; the others are dark, and so is the
@@ -121,23 +158,22 @@ impl Lights {
                 source.strength = [0.0; 3];
             }
         }
-        Self::assemble(self.slots.clone(), sources, None, self.scene_radius)
+        Self::assemble(self.slots.clone(), sources, None, self.scene)
     }
 
-    /// The same slots and indices, with small lights at least as wide as this angle (degrees) and as
-    /// much less bright as leaves their light as it is; without the backdrop.
+    /// The same slots and indices, with suns at least as wide as this angle (degrees) and as much less
+    /// bright as leaves their light as it is; without the backdrop.
     #[must_use]
     pub fn widened(&self, diameter_degrees: f64) -> Self {
         let mut sources = self.sources.clone();
-        for source in &mut sources {
-            let before = source.distant.solid_angle();
-            if before < SMALL_SOLID_ANGLE {
-                source.distant = source.distant.widened(diameter_degrees);
-                let part = (before / source.distant.solid_angle()) as f32;
-                source.strength = source.strength.map(|strength| strength * part);
-            }
+        for Source { origin, strength, .. } in &mut sources {
+            let Origin::Distant(distant) = origin else { continue };
+            let wide = distant.widened(diameter_degrees);
+            let part = (distant.solid_angle() / wide.solid_angle()) as f32;
+            *strength = strength.map(|strength| strength * part);
+            *distant = wide;
         }
-        Self::assemble(self.slots.clone(), sources, None, self.scene_radius)
+        Self::assemble(self.slots.clone(), sources, None, self.scene)
     }
 
     /// What a film keeps apart, each once, in the order of their first lights.
@@ -180,27 +216,52 @@ impl Lights {
         }
     }
 
-    /// What scales the ice paths of a film: the greatest component of any radiance, of the disc of a sun
-    /// a small part.
+    /// What scales the ice paths of a film: the greatest component of any radiance, of discs and bright
+    /// spots a small part.
     #[must_use]
     pub fn greatest_radiance(&self) -> f32 {
         let Constant { above, below, seen_above, seen_below } = &self.constant;
         let constant = [above, below, seen_above, seen_below].into_iter().flatten().flatten();
-        let varying = self.varying.iter().map(|&light| &self.sources[light]).flat_map(|source| {
-            let factor = match &source.distant {
-                Distant::Sun(_) => 1.0 / DISC_OVER_SCALE,
-                Distant::ClearSky(sky) => sky.greatest() as f32,
-                Distant::Sky | Distant::Uniform | Distant::Overcast => 1.0,
-            };
-            source.strength.map(|strength| strength * factor)
+        let varying = self.sources.iter().flat_map(|source| {
+            let scale = source.scale(self.scene);
+            source.strength.map(|strength| strength * scale)
         });
         constant.copied().chain(varying).fold(0.0, f32::max)
     }
 
-    /// Solid angle that a light fills as seen from the scene, sr.
+    /// Radiance of a luminous surface.
+    #[must_use]
+    pub fn emission(&self, light: usize) -> [f32; 3] {
+        self.sources[light].strength
+    }
+
+    /// Adds the radiance of a luminous surface to those of each slot.
+    pub fn add_emission(&self, light: usize, sums: &mut [[f32; 3]]) {
+        let source = &self.sources[light];
+        add(&mut sums[source.slot], source.strength);
+    }
+
+    /// Solid angle that a light fills as seen from the scene, sr: of one within reach from its distance to the
+    /// middle of the scene, or from the radius of the scene where that is larger. 0 for points.
     #[must_use]
     pub fn solid_angle(&self, light: usize) -> f64 {
-        self.sources[light].distant.solid_angle()
+        self.sources[light].solid_angle(self.scene)
+    }
+
+    /// How paths find a light.
+    #[must_use]
+    pub fn role(&self, light: usize) -> LightRole {
+        match &self.sources[light].origin {
+            Origin::Distant(
+                Distant::Sky | Distant::Uniform | Distant::Overcast | Distant::ClearSky(_),
+            ) => LightRole::Sky,
+            Origin::Distant(Distant::Sun(disc)) if disc.solid_angle() < SMALL_SOLID_ANGLE => {
+                LightRole::Sun
+            }
+            Origin::Distant(Distant::Sun(_) | Distant::Environment(_)) | Origin::Near(_) => {
+                LightRole::Lamp
+            }
+        }
     }
 
     /// Whether paths hardly find a light by chance: seen from the scene it fills less than
@@ -209,17 +270,69 @@ impl Lights {
     pub fn is_small(&self, light: usize) -> bool {
         self.solid_angle(light) < SMALL_SOLID_ANGLE
     }
+
+    /// Whether a light is a point, which no path meets.
+    #[must_use]
+    pub fn is_point(&self, light: usize) -> bool {
+        match &self.sources[light].origin {
+            Origin::Distant(_) => false,
+            Origin::Near(near) => near.is_point(),
+        }
+    }
+}
+
+impl Sphere {
+    fn around(bounds: &Aabb) -> Self {
+        if bounds.is_empty() {
+            return Self { center: DVec3::ZERO, radius: 1.0 };
+        }
+        Self { center: bounds.center(), radius: bounds.size().length() * 0.5 }
+    }
+
+    /// The distance that a light within reach is seen from, squared.
+    fn distance_squared(&self, near: &Near) -> f64 {
+        let distance = near.center().map_or(0.0, |center| center.distance_squared(self.center));
+        distance.max(self.radius * self.radius)
+    }
 }
 
 impl Source {
+    /// Radiance from infinity.
     fn radiance(&self, direction: DVec3) -> [f32; 3] {
-        let factor = self.distant.radiance(direction) as f32;
-        self.strength.map(|strength| strength * factor)
+        match &self.origin {
+            Origin::Distant(distant) => {
+                let radiance = distant.radiance(direction);
+                std::array::from_fn(|channel| self.strength[channel] * radiance[channel])
+            }
+            Origin::Near(_) => [0.0; 3],
+        }
     }
 
-    /// Luminous power that enters a sphere of this radius, up to a common factor.
-    fn power(&self, scene_radius: f64) -> f64 {
-        luminance(self.strength) * self.distant.total() * PI * scene_radius * scene_radius
+    fn solid_angle(&self, scene: Sphere) -> f64 {
+        match &self.origin {
+            Origin::Distant(distant) => distant.solid_angle(),
+            Origin::Near(near) => near.shadow() / scene.distance_squared(near),
+        }
+    }
+
+    /// Luminous flux onto a sphere around the scene, up to a common factor.
+    fn power(&self, scene: Sphere) -> f64 {
+        let total = match &self.origin {
+            Origin::Distant(distant) => distant.total(),
+            Origin::Near(near) if near.is_point() => 1.0 / scene.distance_squared(near),
+            Origin::Near(_) => self.solid_angle(scene),
+        };
+        luminance(self.strength) * total
+    }
+
+    /// What scales the ice paths of a film, for a strength of 1.
+    fn scale(&self, scene: Sphere) -> f32 {
+        match &self.origin {
+            Origin::Distant(distant) => distant.scale(),
+            Origin::Near(near) if near.is_point() => 1.0 / scene.distance_squared(near) as f32,
+            Origin::Near(_) if self.solid_angle(scene) < SMALL_SOLID_ANGLE => 1.0 / SPOT_OVER_SCALE,
+            Origin::Near(_) => 1.0,
+        }
     }
 }
 
@@ -230,10 +343,10 @@ impl Constant {
             [dark.clone(), dark.clone(), dark.clone(), dark];
         for source in sources {
             let (slot, visible) = (source.slot, source.visible_to_camera);
-            let whole_sphere = match source.distant {
-                Distant::Sky => false,
-                Distant::Uniform => true,
-                Distant::Overcast | Distant::ClearSky(_) | Distant::Sun(_) => continue,
+            let whole_sphere = match &source.origin {
+                Origin::Distant(Distant::Sky) => false,
+                Origin::Distant(Distant::Uniform) => true,
+                Origin::Distant(_) | Origin::Near(_) => continue,
             };
             let sums = [
                 (&mut above, true),
@@ -276,10 +389,17 @@ pub fn slots_of(lights: &[LightDescription], backdrop: [f32; 3]) -> Vec<LightSlo
 /// Whether the camera sees a backdrop that is not black.
 fn shows_backdrop(lights: &[LightDescription], backdrop: [f32; 3]) -> bool {
     let covers = |light: &LightDescription| match light.kind {
-        LightKind::Sky | LightKind::Uniform | LightKind::Overcast | LightKind::ClearSky { .. } => {
-            light.visible_to_camera
-        }
-        LightKind::Sun { .. } => false,
+        LightKind::Sky
+        | LightKind::Uniform
+        | LightKind::Overcast
+        | LightKind::ClearSky { .. }
+        | LightKind::Environment { .. } => light.visible_to_camera,
+        LightKind::Sun { .. }
+        | LightKind::Sphere { .. }
+        | LightKind::Quad { .. }
+        | LightKind::Object { .. }
+        | LightKind::Point { .. }
+        | LightKind::Spot { .. } => false,
     };
     backdrop != [0.0; 3] && !lights.iter().any(covers)
 }

@@ -1,10 +1,13 @@
 //! Lights against closed forms, and samplers against their densities.
 
 use super::*;
+use core::f64::consts::PI;
 use snowgrain_math::sampler::{PathKey, numbers};
+use std::sync::Arc;
 
 fn lights(lights: &[LightDescription], backdrop: [f32; 3]) -> Lights {
-    Lights::new(lights, backdrop, &Aabb::new(-DVec3::ONE, DVec3::ONE))
+    let surfaces = LitSurfaces::new(Vec::new(), lights);
+    Lights::new(lights, &surfaces, backdrop, &Aabb::new(-DVec3::ONE, DVec3::ONE))
 }
 
 fn radiances(lights: &Lights, direction: DVec3) -> Vec<[f32; 3]> {
@@ -55,6 +58,13 @@ fn lights_of_one_group_and_spectrum_add_and_others_stay_apart() {
     assert_eq!(seen(&together, DVec3::Y), [[0.0; 3]; 2]);
 }
 
+/// A map without dark pixels, brighter to the east, with a bright spot.
+fn smooth_map() -> Arc<EnvironmentMap> {
+    let mut pixels: Vec<_> = (0..32 * 16).map(|at| [0.2 + (at % 32) as f32 * 0.03; 3]).collect();
+    pixels[5 * 32 + 20] = [40.0; 3];
+    Arc::new(EnvironmentMap::new(32, 16, pixels).unwrap())
+}
+
 /// One of each kind at infinity.
 fn distant() -> Vec<LightDescription> {
     let sun = direction_of(25.0, 140.0);
@@ -65,6 +75,7 @@ fn distant() -> Vec<LightDescription> {
         LightKind::ClearSky { sun },
         LightKind::Sun { direction: sun, diameter_degrees: 0.53 },
         LightKind::Sun { direction: direction_of(80.0, -10.0), diameter_degrees: 60.0 },
+        LightKind::Environment { map: smooth_map(), rotation_degrees: 50.0 },
     ]
     .map(|kind| LightDescription::new(kind, [1.0; 3]))
     .to_vec()
@@ -83,10 +94,10 @@ fn directions(heights: usize, azimuths: usize) -> (impl Iterator<Item = DVec3>, 
 #[test]
 fn level_ground_receives_what_closed_forms_say() {
     let irradiance = |kind: LightKind| {
-        let light = Distant::new(&kind);
+        let light = Distant::new(&kind).unwrap();
         let (all, solid_angle) = directions(1000, 1000);
         let downward = all.filter(|d| d.y > 0.0);
-        downward.map(|d| light.radiance(d) * d.y).sum::<f64>() * solid_angle
+        downward.map(|d| f64::from(light.radiance(d)[1]) * d.y).sum::<f64>() * solid_angle
     };
     let sun = direction_of(35.0, 100.0);
     for (kind, expected) in [
@@ -108,13 +119,13 @@ fn level_ground_receives_what_closed_forms_say() {
 #[test]
 fn densities_sum_to_one_and_totals_are_those_of_the_radiance() {
     for light in distant() {
-        let source = Distant::new(&light.kind);
+        let source = Distant::new(&light.kind).unwrap();
         if source.solid_angle() < 0.01 {
             continue; // too small for the sum
         }
         let (all, solid_angle) = directions(1024, 1024);
         let (density, total) = all.fold((0.0, 0.0), |(density, total), direction| {
-            (density + source.density(direction), total + source.radiance(direction))
+            (density + source.density(direction), total + luminance(source.radiance(direction)))
         });
         assert!((density * solid_angle - 1.0).abs() < 2e-3, "{:?}: {density}", light.kind);
         let total = total * solid_angle / source.total();
@@ -132,7 +143,7 @@ fn samples_follow_their_density_by_chi_square() {
     // 20 x 20 cells of equal solid angle around the light. With k cells in which at least 10 samples are expected, chi-square
     // exceeds k + 5 sqrt(2 k) + 17 by chance less than once in 10^6; six lights are tried.
     for (stream, light) in distant().into_iter().enumerate() {
-        let source = Distant::new(&light.kind);
+        let source = Distant::new(&light.kind).unwrap();
         let narrow = source.solid_angle() < 0.01;
         const CELLS: usize = 20;
         const FINE: usize = 16;
@@ -166,7 +177,7 @@ fn samples_follow_their_density_by_chi_square() {
             let [_, u, v] = uniform(stream as u64, index);
             let direction = source.sample([u, v]).unwrap();
             assert!((direction.length() - 1.0).abs() < 1e-12);
-            assert!(source.density(direction) > 0.0 && source.radiance(direction) > 0.0);
+            assert!(source.density(direction) > 0.0 && source.radiance(direction)[1] > 0.0);
             found[cell_of(direction)] += 1.0;
         }
         let pairs: Vec<_> = expected.iter().zip(&found).filter(|(e, _)| **e >= 10.0).collect();
@@ -216,7 +227,7 @@ fn a_selection_is_dark_but_for_what_it_keeps_and_parts_add_to_the_whole() {
     let all = lights(&distant(), [0.0; 3]);
     let small = all.select(|light| all.is_small(light));
     let broad = all.select(|light| !all.is_small(light));
-    assert_eq!((0..6).filter(|&light| all.is_small(light)).collect::<Vec<_>>(), [4]);
+    assert_eq!((0..7).filter(|&light| all.is_small(light)).collect::<Vec<_>>(), [4]);
     for direction in [DVec3::Y, direction_of(25.0, 140.0), direction_of(30.0, 10.0), -DVec3::X] {
         let mut sums = radiances(&small, direction);
         broad.add_radiances(direction, &mut sums);

@@ -33,18 +33,22 @@ impl Batch {
         if scene.search.is_some() && path.first_hit.is_some() {
             return self.add_found(scene, pixel, found);
         }
-        let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
         self.lights.clear();
         self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
-        let length = match path.first_hit {
-            None => {
+        let length = match (path.end, path.first_hit) {
+            (PathEnd::Escaped(ray), None) => {
                 scene.lights.add_seen_by_camera(ray.direction, &mut self.lights);
                 0.0
             }
-            Some(_) => {
+            (PathEnd::Escaped(ray), Some(_)) => {
                 scene.lights.add_radiances(ray.direction, &mut self.lights);
                 path.ice_length
             }
+            (PathEnd::Emitted { light, .. }, _) => {
+                scene.lights.add_emission(light, &mut self.lights);
+                path.ice_length
+            }
+            (PathEnd::Absorbed | PathEnd::Enclosed, _) => return [0.0; 3],
         };
         let mut radiance = [0.0; 3];
         for (slot, light) in self.lights.iter().enumerate() {

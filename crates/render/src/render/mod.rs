@@ -14,7 +14,7 @@ mod tile_sums;
 
 use crate::statistics::Statistics;
 use crate::transport::seek::Seeker;
-use crate::transport::trace_seeking;
+use crate::transport::{trace, trace_seeking};
 use crate::{RenderError, Scene};
 use passes::Passes;
 use snowgrain_accel::SimdLevel;
@@ -158,8 +158,13 @@ impl<'a> Rendering<'a> {
             let mut stream = Stream::new(self, control);
             let Scene { world, camera, search, .. } = self.scene;
             let level = self.settings.level;
-            let seeker = search.as_ref().map(|search| Seeker::new(world, camera, search, level));
-            trace_seeking(world, level, seeker, &mut stream);
+            match search {
+                None => trace(world, level, &mut stream),
+                Some(search) => {
+                    let seeker = Seeker::new(world, camera, search, level);
+                    trace_seeking(world, level, seeker, &mut stream);
+                }
+            }
             stream.flush();
         });
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();

@@ -37,6 +37,17 @@ pub enum PathEnd {
     /// It escaped along this ray, which starts where it last left the box of the grains, bounced, or
     /// began.
     Escaped(Ray),
+    /// It met a luminous surface on the side that shines.
+    Emitted {
+        /// Index of the light.
+        light: usize,
+        /// Where, metres.
+        position: DVec3,
+        /// Unit normal there, on the side of the path.
+        normal: DVec3,
+        /// Unit direction in which the path came.
+        direction: DVec3,
+    },
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
     /// It bounced [`MAX_BOUNCES_WITHOUT_LOSS`] times off objects that absorb nothing: they enclose it,

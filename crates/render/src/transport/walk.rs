@@ -1,6 +1,6 @@
 //! Drives a [`Flight`]: fills its lanes from a source and answers its events.
 
-use super::seek::{Bounce, PathState, Seeker, Trail};
+use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
     FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
     ROULETTE_THRESHOLD,
@@ -25,25 +25,32 @@ struct Walker<Tag> {
 
 /// Traces every path of `source` through `world`; light is found where a path escapes.
 pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut Source) {
-    trace_seeking(world, level, None, source);
+    walk(world, level, None, source);
 }
 
-/// As [`trace`]; with a seeker, light is looked for on the way.
-pub(crate) fn trace_seeking<Source: PathSource>(
-    world: &World,
+/// As [`trace`]; light is looked for on the way. The seeker is given back.
+pub(crate) fn trace_seeking<'a, Source: PathSource>(
+    world: &'a World,
     level: SimdLevel,
-    seeker: Option<Seeker<'_>>,
+    seeker: Seeker<'a>,
     source: &mut Source,
-) {
+) -> Seeker<'a> {
+    let search =
+        Search { seeker, trails: std::array::from_fn(|_| Trail::default()), visits: Vec::new() };
+    let search = walk(world, level, Some(search), source);
+    search.expect("a search that is begun is given back").seeker
+}
+
+fn walk<'a, Source: PathSource>(
+    world: &'a World,
+    level: SimdLevel,
+    search: Option<Search<'a>>,
+    source: &mut Source,
+) -> Option<Search<'a>> {
     let mut flight = Flight::new(&world.grid, &world.surfaces, world.eta, level);
-    if seeker.is_some() {
+    if search.is_some() {
         flight.note_visits();
     }
-    let search = seeker.map(|seeker| Search {
-        seeker,
-        trails: std::array::from_fn(|_| Trail::default()),
-        visits: Vec::new(),
-    });
     let mut walk = Walk { world, flight, walkers: [None; LANES], search, in_use: LANES };
     for lane in 0..LANES {
         walk.refill(lane, source);
@@ -52,7 +59,7 @@ pub(crate) fn trace_seeking<Source: PathSource>(
     loop {
         walk.flight.advance(&mut events);
         if !walk.look_for_light() && events.is_empty() {
-            return;
+            return walk.search;
         }
         for (lane, event) in events.drain(..) {
             walk.answer(lane, event, source);
@@ -154,16 +161,14 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 let ray = self.flight.ray(lane);
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
             }
-            FlightEvent::Surface(hit) => {
-                match self.scatter(lane, &hit, self.flight.ray(lane).origin) {
-                    Err(end) => Some(end),
-                    Ok(ray) => {
-                        let event = self.flight.travelled(lane).event;
-                        self.flight.bounce(lane, ray.direction, hit.id, event);
-                        None
-                    }
+            FlightEvent::Surface(hit) => match self.scatter(lane, &hit, self.flight.ray(lane)) {
+                Err(end) => Some(end),
+                Ok(ray) => {
+                    let event = self.flight.travelled(lane).event;
+                    self.flight.bounce(lane, ray.direction, hit.id, event);
+                    None
                 }
-            }
+            },
         };
         if let Some(end) = end {
             self.finish(lane, end, source);
@@ -200,7 +205,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
                     return None;
                 }
                 (Some(hit), _) => {
-                    match self.scatter(lane, &hit, ray.at(hit.t)) {
+                    let arrival = Ray::new(ray.at(hit.t), ray.direction);
+                    match self.scatter(lane, &hit, arrival) {
                         Err(end) => return Some(end),
                         Ok(next) => ray = next,
                     }
@@ -225,13 +231,35 @@ impl<Tag: Copy> Walk<'_, Tag> {
         self.flight.release(lane, direction, event + 1);
     }
 
-    /// A diffuse bounce at `position`: the next ray, or how the path ends.
-    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Result<Ray, PathEnd> {
-        let event = self.flight.travelled(lane).event;
+    /// What a surface does to a path that arrives: the next ray, or how the path ends.
+    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, arrival: Ray) -> Result<Ray, PathEnd> {
+        let position = arrival.origin;
         let visits = self.flight.travelled(lane).grain_visits;
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
-        let albedo = self.world.albedos[hit.id.object as usize];
-        if visits == 0 && walker.surface_bounces == 0 {
+        let is_first = visits == 0 && walker.surface_bounces == 0;
+        let object = hit.id.object as usize;
+        if let Some(Some(emitter)) = self.world.emitters.get(object) {
+            if is_first && !emitter.visible_to_camera {
+                return Ok(arrival);
+            }
+            if is_first {
+                walker.first_hit =
+                    Some(FirstHit { position, normal: hit.normal, albedo: [0.0; 3] });
+            }
+            return Err(if emitter.shines_towards(hit.normal) {
+                PathEnd::Emitted {
+                    light: emitter.light,
+                    position,
+                    normal: hit.normal,
+                    direction: arrival.direction,
+                }
+            } else {
+                PathEnd::Absorbed
+            });
+        }
+        let event = self.flight.travelled(lane).event;
+        let albedo = self.world.albedos[object];
+        if is_first {
             walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });
         }
         walker.surface_bounces += 1;
@@ -311,8 +339,15 @@ impl<Tag: Copy> Walk<'_, Tag> {
             return source.finish(walker.tag, &result);
         };
         let trail = &mut trails[lane];
-        if let (PathEnd::Escaped(ray), Some(_)) = (end, first_hit) {
-            seeker.at_escape(trail, ray.direction, &result);
+        let met = match end {
+            PathEnd::Escaped(ray) => Some(Met::Infinity(ray.direction)),
+            PathEnd::Emitted { light, position, normal, direction } => {
+                Some(Met::Surface { light, position, normal, direction })
+            }
+            PathEnd::Absorbed | PathEnd::Enclosed => None,
+        };
+        if let Some(met) = met {
+            seeker.at_end(trail, met, &result);
         }
         source.finish_with_light(walker.tag, &result, &trail.contributions);
     }

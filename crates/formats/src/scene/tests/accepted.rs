@@ -150,6 +150,42 @@ fn overrides_change_and_add_values() {
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0, 2.0, 3.0])]);
 }
 
+#[test]
+fn lamps_have_their_places_and_objects_shine() {
+    let sphere = "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = \"5 cm\"\nradiance = 3";
+    let quad = "[[light]]\nkind = \"quad\"\ncorner = [0, 2, 0]\nedges = [[1, 0, 0], [0, 0, 1]]\n";
+    let object = "[[object]]\nshape = \"box\"\nemission = [1, 2, 3]\nemission_spectrum = \"a\"\n\
+                  instances = [{ translate = [5, 0, 0] }, { translate = [9, 0, 0] }]\n";
+    let scene = read(&format!("{}{quad}{object}", under(sphere)), &[]).unwrap();
+    assert_eq!(scene.objects.len(), 3);
+    let kinds: Vec<_> = scene.lights.iter().map(|light| light.kind.clone()).collect();
+    let expected = [
+        LightKind::Sphere { center: DVec3::Y, radius: 0.05 },
+        LightKind::Quad { corner: DVec3::Y * 2.0, edges: [DVec3::X, DVec3::Z] },
+        LightKind::Object { object: 1 },
+        LightKind::Object { object: 2 },
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(scene.lights[0].strength, [3.0; 3]);
+    assert_eq!(scene.lights[2].strength, [1.0, 2.0, 3.0]);
+    assert_eq!(scene.lights[2].spectrum, Illuminant::A);
+    assert!(scene.lights.iter().all(|light| light.group == "lamps"));
+    // A lamp alone is light enough.
+    let dark = LEAST.replace("[[light]]\nkind = \"sky\"\n", "");
+    assert_eq!(read(&format!("{dark}{object}"), &[]).unwrap().lights.len(), 2);
+}
+
+#[test]
+fn maps_of_all_directions_are_read_and_turned() {
+    let light = "kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = -90\nstrength = 2";
+    let scene = read(&under(light), &[]).unwrap();
+    let LightKind::Environment { map, rotation_degrees } = &scene.lights[0].kind else {
+        panic!("{:?}", scene.lights)
+    };
+    assert_eq!((map.width(), *rotation_degrees), (2, 270.0));
+    assert_eq!((scene.lights[0].strength, &*scene.lights[0].group), ([2.0; 3], "environment"));
+}
+
 /// The least scene under another light.
 fn under(light: &str) -> String {
     LEAST.replace("kind = \"sky\"", light)
@@ -224,7 +260,12 @@ fn meshes_are_read_once_relative_to_the_scene() {
         Ok(triangle())
     };
     let mut no_grains = |_: &Path| Err(LoadError::from("none"));
-    let scene = resolve(&file, Loader { mesh: &mut read_mesh, grains: &mut no_grains }).unwrap();
+    let loader = Loader {
+        mesh: &mut read_mesh,
+        grains: &mut no_grains,
+        environment: &mut |_| Err("nor a map".into()),
+    };
+    let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
     assert_eq!(scene.objects[0].name, "model.obj");
     assert_eq!(scene.objects[1].name, "again");

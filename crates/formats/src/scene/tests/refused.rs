@@ -436,9 +436,63 @@ fn lights_that_cannot_shine_are_refused() {
             "light.0.strength = -1: must be finite and not",
         ),
         ("kind = \"sky\"\ngroup = \"\"", "light.0.group = \"\": must be a name"),
+        ("kind = \"environment\"", "light.0.file is missing: name the map, as file = \"sky.hdr\""),
+        (
+            "kind = \"environment\"\nfile = \"none.hdr\"",
+            "light.0.file = \"none.hdr\": no such file",
+        ),
+        ("kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = nan", "must be finite numbers"),
+        ("kind = \"sphere\"\ncenter = [0, 1, 0]", "light.0.radius is missing: say how large"),
+        (
+            "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 0",
+            "light.0.radius = 0: must be a finite length above 0",
+        ),
+        ("kind = \"sphere\"\nradius = 1", "light.0.center is missing: say where"),
+        (
+            "kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[1, 1, 0], [2, 2, 0]]",
+            "light.0.edges = [[1, 1, 0], [2, 2, 0]]: the edges are parallel or 0",
+        ),
+        ("kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[0, 0, 0], [1, 0, 0]]", "parallel or 0"),
+        (
+            "kind = \"point\"\nposition = [0, 1, 0]",
+            "light.0.kind = \"point\": no path meets a point",
+        ),
+        ("kind = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 0, 0]", "must not be zero"),
+        (
+            "kind = \"spot\"\nposition = [0, 1, 0]\ninner_angle = 40",
+            "light.0.outer_angle = (default): must be above inner_angle, 40",
+        ),
+        (
+            "kind = \"point\"\nvisible_to_camera = true",
+            "light.0.visible_to_camera = true: not a key of kind = \"point\"",
+        ),
         ("kind = \"moon\"", "light.0.kind = \"moon\""),
     ] {
         let message = light(lines);
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn objects_that_cannot_shine_are_refused() {
+    let object = |lines: &str| instead("shape = \"sphere\"", lines);
+    for (lines, expected) in [
+        ("shape = \"plane\"\nemission = 1", "object.0.emission = 1: a plane has no end"),
+        (
+            "shape = \"box\"\nemission = 1\nalbedo = 0.5",
+            "object.0.albedo = 0.5: an object with emission is black",
+        ),
+        (
+            "shape = \"box\"\nemission = 1\ninstances = [{ albedo = 0.5 }]",
+            "object.0.instances.0.albedo = 0.5: an object with emission is black",
+        ),
+        ("shape = \"box\"\nemission = -1", "object.0.emission = -1: must be finite"),
+        (
+            "shape = \"box\"\nemission_group = \"a\"",
+            "object.0.emission_group = \"a\": the object has no emission",
+        ),
+    ] {
+        let message = object(lines);
         assert!(message.contains(expected), "{message}");
     }
 }

@@ -14,14 +14,15 @@
 
 use super::grains::turned;
 use super::{
-    PathState, SOLVED_ORDERS, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, View, Wanted, product,
+    Brings, PathState, SOLVED_ORDERS, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, View, product,
     scaled, search_key,
 };
 use crate::camera::Bundle;
+use crate::light::LightRole;
 use crate::transport::Contribution;
 use snowgrain_accel::{GrainVisit, Probe, ProbeAnswer};
 use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::{DVec3, Ray, trig};
+use snowgrain_math::{DVec3, trig};
 
 /// Rays of a window that are followed at once.
 const TRIALS: usize = 8;
@@ -90,14 +91,14 @@ impl Seeker<'_> {
         let [x, y, _] = numbers(key, 2 * visit.event).map(f64::from);
         let window = Window::around(view.image, edge, [x, y]);
         for light in 0..self.search.lights.count() {
-            if !self.search.is_small[light] {
+            if self.search.roles[light] != LightRole::Sun {
                 continue;
             }
             let event = 2 * visit.event + 1;
             // Lights share no number: each has a key of its own.
             let key = PathKey { lo: key.lo.wrapping_add(light as u32), ..key };
-            let [u, v, _] = numbers(key, event).map(f64::from);
-            let sample = self.search.lights.sample_light(light, grain.center, [u, v]);
+            let random = numbers(key, event).map(f64::from);
+            let sample = self.search.lights.sample_light(light, grain.center, random);
             let Some(sample) = sample else { continue };
             let (axis, ratio) = match view.bundle {
                 Bundle::Through(point) => {
@@ -119,16 +120,11 @@ impl Seeker<'_> {
             });
             for connection in connections {
                 let at = |angle: f64| turned(axis, sample.direction, cosine, angle);
-                let solution = Solution {
-                    entry: at(connection.entry),
-                    exit: at(connection.exit),
-                    to_light: sample.direction,
-                    distance: sample.distance,
-                };
+                let solution = Solution { entry: at(connection.entry), exit: at(connection.exit) };
                 let Some(seen) = self.seen_at(&grain, &view, &window, &solution) else { continue };
-                let Some(probe) = self.clear_probe(visit, &grain, &view, seen, &solution) else {
+                if !self.meets([seen].into_iter(), &view, &grain)[0] {
                     continue;
-                };
+                }
                 let trials = self.trials(&grain, &view, &window, key);
                 let per_ray = match view.bundle {
                     Bundle::Through(_) => ratio * ratio,
@@ -143,17 +139,15 @@ impl Seeker<'_> {
                 if let Some(stratum) = usize::from(visit.stratum).checked_sub(1) {
                     ice_in_strata[stratum] = length;
                 }
-                let contribution = Contribution {
+                let brings = Brings::Light(Contribution {
                     slot: sample.slot,
                     glint: true,
                     weight: scaled(product(state.throughput, sample.radiance), weight),
                     ice_length: length,
                     ice_in_strata,
-                };
-                let ray = Ray::new(self.world.grid.world(probe.start), sample.direction);
-                let distance = sample.distance;
-                self.rays.push(probe);
-                self.wanted.push(Wanted { lane: visit.lane, contribution, ray, distance });
+                });
+                let towards = (sample.direction, sample.distance, None);
+                self.want(visit, solution.exit, towards, brings);
             }
         }
     }
@@ -169,23 +163,6 @@ impl Seeker<'_> {
         let entry = grain.center + solution.entry * grain.radius;
         let (x, y) = self.camera.project(entry, view.lens)?;
         window.contains([x, y]).then_some([x, y])
-    }
-
-    /// The shadow ray of a solution whose entry the camera sees.
-    fn clear_probe(
-        &mut self,
-        visit: &GrainVisit,
-        grain: &Grain,
-        view: &View,
-        seen: [f64; 2],
-        solution: &Solution,
-    ) -> Option<Probe> {
-        if !self.meets([seen].into_iter(), view, grain)[0] {
-            return None;
-        }
-        let stored = (visit.center, visit.radius);
-        let length = self.quanta(solution.distance);
-        Probe::leaving(&self.world.grid, stored, solution.exit, solution.to_light, length)
     }
 
     /// How many rays of the window it takes until one meets the grain.
@@ -221,7 +198,6 @@ impl Seeker<'_> {
             rays.push(Probe::through_air(start, ray.direction, f32::MAX));
             of_ray.push((index, ray, t));
         }
-        self.shadow_rays += rays.len() as u64;
         let surfaces = &self.world.surfaces;
         let quantum = grid.quantum();
         self.probes.follow(&rays, |ray, answer| {
@@ -241,6 +217,4 @@ struct Solution {
     /// Outward normals of the grain where light from the camera enters and leaves.
     entry: DVec3,
     exit: DVec3,
-    to_light: DVec3,
-    distance: f64,
 }

@@ -1,10 +1,11 @@
 //! Light at a grain that a path strikes at a random place.
 
-use super::{PathState, Seeker, Wanted, product, scaled, search_key};
+use super::{Brings, LastArrival, PathState, Seeker, Wanted, product, scaled, search_key};
 use crate::transport::Contribution;
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe};
 use snowgrain_math::sampler::numbers;
 use snowgrain_math::{DVec3, Ray, frame, trig};
+use snowgrain_optics::scatter::Way;
 
 /// Density of scattering, 1/sr, above which every light that was drawn gets its shadow ray; below it one
 /// in so many, which stands for the others. Half of that of a grain that scatters evenly.
@@ -15,55 +16,74 @@ impl Seeker<'_> {
     pub(super) fn at_random_place(
         &mut self,
         visit: &GrainVisit,
-        direction: DVec3,
+        last: &LastArrival,
+        order: u32,
         state: &PathState,
     ) {
+        let search = self.search;
         let key = search_key(state.key);
         let [light, u, v] = numbers(key, 2 * visit.event).map(f64::from);
-        let [survival, order, place] = numbers(key, 2 * visit.event + 1).map(f64::from);
-        let grid = &self.world.grid;
-        let center = grid.world(visit.center);
-        let Some(sample) = self.search.sought.sample(center, [light, u, v]) else { return };
-        let table = match visit.from {
-            ArrivalFrom::Air => &self.search.from_air,
-            ArrivalFrom::Ice => &self.search.from_ice,
+        let Some(sample) = search.sought_at(order).sample(last.center, [light, u, v]) else {
+            return;
         };
-        let cosine = direction.dot(sample.direction);
+        let [survival, which, place] = numbers(key, 2 * visit.event + 1).map(f64::from);
+        let table = search.table(visit.from);
+        let cosine = last.direction.dot(sample.direction);
         let density = table.density(cosine);
         let chance = (density / ALWAYS).min(1.0);
         if survival >= chance {
             return;
         }
-        let Some(way) = table.way(cosine, [order, place]) else { return };
-        let normal = turned(direction, sample.direction, cosine, way.exit);
-        let stored = (visit.center, visit.radius);
-        let length = self.quanta(sample.distance);
-        let Some(probe) = Probe::leaving(grid, stored, normal, sample.direction, length) else {
-            return;
-        };
-        // The balance heuristic: sample.pdf / (sample.pdf + density).
-        let weight = density / (chance * (sample.pdf + density));
-        let in_grain = match visit.from {
-            ArrivalFrom::Air => way.length * f64::from(visit.radius),
-            ArrivalFrom::Ice => {
-                (way.length * f64::from(visit.radius) + f64::from(visit.to_middle)).max(0.0)
-            }
-        };
-        let quantum = grid.quantum();
-        let mut ice_in_strata = visit.ice_in_strata.map(|length| f64::from(length) * quantum);
-        if let Some(stratum) = usize::from(visit.stratum).checked_sub(1) {
-            ice_in_strata[stratum] += in_grain * quantum;
-        }
-        let contribution = Contribution {
+        let Some(way) = table.way(cosine, [which, place]) else { return };
+        let normal = turned(last.direction, sample.direction, cosine, way.exit);
+        let gain = search.gains.gain(visit.from, order, cosine);
+        // The balance heuristic; nothing meets a point by chance.
+        let rivals = if sample.is_point { 0.0 } else { density };
+        let weight = gain * density / (chance * (sample.pdf + rivals));
+        let (ice_length, ice_in_strata) = self.ice_of(visit, &way);
+        let brings = Brings::Light(Contribution {
             slot: sample.slot,
             glint: false,
             weight: scaled(product(state.throughput, sample.radiance), weight),
-            ice_length: (f64::from(visit.ice_length) + in_grain) * quantum,
+            ice_length,
             ice_in_strata,
+        });
+        let towards = (sample.direction, sample.distance, sample.surface.map(|id| id.object));
+        self.want(visit, normal, towards, brings);
+    }
+
+    /// Sends a shadow ray from the grain, where its outward normal is `normal`, in a direction over a
+    /// distance to a lamp.
+    pub(super) fn want(
+        &mut self,
+        visit: &GrainVisit,
+        normal: DVec3,
+        (direction, distance, lamp): (DVec3, f64, Option<u32>),
+        brings: Brings,
+    ) {
+        let grid = &self.world.grid;
+        let stored = (visit.center, visit.radius);
+        let length = self.quanta(distance);
+        if let Some(probe) = Probe::leaving(grid, stored, normal, direction, length) {
+            let ray = Ray::new(grid.world(probe.start), direction);
+            self.rays.push(probe);
+            self.wanted.push(Wanted { lane: visit.lane, brings, ray, distance, lamp });
+        }
+    }
+
+    /// Length in ice of a path that takes a way through the grain, and that in grains of each stratum.
+    fn ice_of(&self, visit: &GrainVisit, way: &Way) -> (f64, [f64; snowgrain_accel::STRATA]) {
+        let quantum = self.world.grid.quantum();
+        let in_grain = way.length * f64::from(visit.radius);
+        let in_grain = match visit.from {
+            ArrivalFrom::Air => in_grain,
+            ArrivalFrom::Ice => (in_grain + f64::from(visit.to_middle)).max(0.0),
         };
-        let ray = Ray::new(grid.world(probe.start), sample.direction);
-        self.rays.push(probe);
-        self.wanted.push(Wanted { lane: visit.lane, contribution, ray, distance: sample.distance });
+        let mut in_strata = visit.ice_in_strata.map(|length| f64::from(length) * quantum);
+        if let Some(stratum) = usize::from(visit.stratum).checked_sub(1) {
+            in_strata[stratum] += in_grain * quantum;
+        }
+        ((f64::from(visit.ice_length) + in_grain) * quantum, in_strata)
     }
 }
 

@@ -2,37 +2,40 @@
 //! meet it.
 //!
 //! A sun of half a degree is met by one path in 10^5. Here a path asks at each arrival at a grain how
-//! much of the sun's light the grain would send back along it. Where on its disc the path strikes a
-//! grain is forgotten, so that the answer is the closed form of [`ScatterTable`] and a shadow ray among
-//! the real grains, from where that way leaves the grain: from the third grain on that is right on
-//! average, since by then the places are random. Before, they are not:
+//! much of a light the grain would send back along it. Where on its disc the path strikes a grain is
+//! forgotten, so that the answer is the closed form of [`ScatterTable`] and a shadow ray among the real
+//! grains, from where that way leaves the grain. What this forgets is measured and made up for
+//! ([`calibrate`]). For suns the first grains count most, and their images of it can be seen:
 //!
 //! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
 //!   its visibility among the real grains ([`first_grain`]);
-//! - at the second, and at the first two after a diffuse surface, light is met by chance, but small
-//!   lights are as wide as [`WIDENED_DEGREES`], which moves an image of the sun by a few hundredths of a
-//!   grain's radius and leaves its light as it is.
+//! - at the second, and at the first two after a diffuse surface, the sun is met by chance, but it is
+//!   [`WIDENED_DEGREES`] wide, which moves an image of it by a few hundredths of a grain's radius and
+//!   leaves its light as it is.
 //!
-//! Lights that are large are also met by chance, and both ways share the light by the balance heuristic
-//! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
+//! Lights that are met by chance as well share the light with it by the balance heuristic (Veach and
+//! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
-mod escape;
+pub mod calibrate;
+mod chance;
 mod first_grain;
 mod grains;
 mod surfaces;
 
+pub(super) use chance::Met;
 pub(super) use surfaces::Bounce;
 
 use super::Contribution;
 use crate::camera::{Bundle, Camera};
-use crate::light::Lights;
+use crate::light::{LightRole, Lights};
 use crate::world::World;
+use calibrate::{Gains, Tally};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, ProbeAnswer, Probes, SimdLevel};
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
 
-/// Angle across small lights where they are met by chance after one or two grains, degrees.
+/// Angle across suns where they are met by chance after one or two grains, degrees.
 pub const WIDENED_DEGREES: f64 = 10.0;
 
 /// Orders of the first grain that are solved; higher ones (.3 % of its light) are met by chance.
@@ -40,8 +43,8 @@ const SOLVED_ORDERS: u32 = 3;
 /// The same where other grains overlap it: further reflections inside may meet them.
 const SOLVED_ORDERS_OF_OVERLAPPED: u32 = 1;
 
-/// Grains after which the places at which a path strikes them are taken to be random.
-const GRAINS_BEFORE_RANDOM: u32 = 2;
+/// Grains at which suns are not looked for at random places.
+const GRAINS_BEFORE_SUNS: u32 = 2;
 
 /// What tells the random numbers of a search from those of its path.
 const SEARCH: u32 = 0x5eed_1194;
@@ -51,23 +54,27 @@ const SEARCH: u32 = 0x5eed_1194;
 pub struct LightSearch {
     /// All lights.
     lights: Lights,
-    /// Those of them that are looked for, with the same indices.
-    sought: Lights,
+    roles: Vec<LightRole>,
     is_sought: Vec<bool>,
-    is_small: Vec<bool>,
-    /// Small lights as wide as [`WIDENED_DEGREES`].
+    /// Those that are looked for at the first grains, and those that are from then on and at surfaces;
+    /// the indices are those of all lights.
+    early: Lights,
+    late: Lights,
+    /// Suns as wide as [`WIDENED_DEGREES`].
     wide: Lights,
+    medium: Dielectric,
     from_air: ScatterTable,
     from_ice: ScatterTable,
     connector: Connector,
+    gains: Gains,
 }
 
 /// Which lights are looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sought {
-    /// Those that chance finds too rarely.
+    /// All but skies, which paths find by themselves.
     #[default]
-    Small,
+    NotSkies,
     /// All.
     All,
 }
@@ -77,17 +84,33 @@ impl LightSearch {
     #[must_use]
     pub fn new(lights: &Lights, eta: f64, sought: Sought) -> Self {
         let medium = Dielectric { eta };
-        let is_small: Vec<_> = (0..lights.count()).map(|light| lights.is_small(light)).collect();
-        let is_sought: Vec<_> = is_small.iter().map(|&s| s || sought == Sought::All).collect();
+        let roles: Vec<_> = (0..lights.count()).map(|light| lights.role(light)).collect();
+        let is_sought: Vec<_> =
+            roles.iter().map(|&role| role != LightRole::Sky || sought == Sought::All).collect();
         Self {
-            lights: lights.clone(),
-            sought: lights.select(|light| is_sought[light]),
-            is_sought,
-            is_small,
+            early: lights.select(|light| is_sought[light] && roles[light] != LightRole::Sun),
+            late: lights.select(|light| is_sought[light]),
             wide: lights.widened(WIDENED_DEGREES),
+            lights: lights.clone(),
+            roles,
+            is_sought,
+            medium,
             from_air: ScatterTable::for_air(medium),
             from_ice: ScatterTable::for_ice(medium),
             connector: Connector::new(medium, SOLVED_ORDERS),
+            gains: Gains::default(),
+        }
+    }
+
+    /// The lights that are looked for at a grain of this order.
+    fn sought_at(&self, order: u32) -> &Lights {
+        if order > GRAINS_BEFORE_SUNS { &self.late } else { &self.early }
+    }
+
+    fn table(&self, from: ArrivalFrom) -> &ScatterTable {
+        match from {
+            ArrivalFrom::Air => &self.from_air,
+            ArrivalFrom::Ice => &self.from_ice,
         }
     }
 }
@@ -109,8 +132,8 @@ enum Vertex {
     /// At the camera.
     #[default]
     Camera,
-    /// On a diffuse surface in air, with this normal.
-    Surface(DVec3),
+    /// On a diffuse surface in air: where, and its normal.
+    Surface(DVec3, DVec3),
     /// On a diffuse surface within a grain.
     SurfaceInIce,
 }
@@ -122,6 +145,7 @@ pub(super) struct Trail {
     vertex: Vertex,
     /// Arrivals at grains from air before the vertex.
     visits_before: u32,
+    /// Since the vertex.
     last: Option<LastArrival>,
     /// Of the first grain from the camera, the orders that were solved.
     solved_orders: Option<u32>,
@@ -135,6 +159,8 @@ pub(super) struct Trail {
 struct LastArrival {
     from: ArrivalFrom,
     direction: DVec3,
+    /// Centre of the grain.
+    center: DVec3,
 }
 
 impl Trail {
@@ -167,17 +193,25 @@ pub(crate) struct Seeker<'a> {
     /// Shadow rays that wait, and what each would bring.
     rays: Vec<Probe>,
     wanted: Vec<Wanted>,
-    /// Shadow rays so far.
-    pub(super) shadow_rays: u64,
+    /// Where light is not looked for, but what that would find is compared with what paths do.
+    tally: Option<Tally>,
 }
 
-/// What a shadow ray brings to the path of a lane if it is clear.
+/// What a shadow ray brings if it is clear.
 struct Wanted {
     lane: usize,
-    contribution: Contribution,
-    /// Where it starts, and how far surfaces may hide the light.
+    brings: Brings,
+    /// Where it starts, how far surfaces may hide the light, and the object that shines.
     ray: Ray,
     distance: f64,
+    lamp: Option<u32>,
+}
+
+/// What a clear shadow ray brings.
+enum Brings {
+    Light(Contribution),
+    /// A count.
+    Count(calibrate::Bin),
 }
 
 impl<'a> Seeker<'a> {
@@ -194,7 +228,7 @@ impl<'a> Seeker<'a> {
             probes: Probes::new(&world.grid, &world.surfaces, level),
             rays: Vec::new(),
             wanted: Vec::new(),
-            shadow_rays: 0,
+            tally: None,
         }
     }
 
@@ -208,13 +242,19 @@ impl<'a> Seeker<'a> {
         for visit in visits {
             let (trail, state) = (&mut trails[visit.lane], state(visit.lane));
             let order = trail.order(visit.grain_visits);
-            let direction = direction_of(visit);
-            trail.last = Some(LastArrival { from: visit.from, direction });
+            let last = LastArrival {
+                from: visit.from,
+                direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
+                center: self.world.grid.world(visit.center),
+            };
+            trail.last = Some(last);
             trail.through_ice |= visit.from == ArrivalFrom::Ice;
-            if order > GRAINS_BEFORE_RANDOM {
-                self.at_random_place(visit, direction, &state);
-            } else if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air
-            {
+            if self.tally.is_some() {
+                self.try_a_way(visit, &last, order, &state);
+                continue;
+            }
+            self.at_random_place(visit, &last, order, &state);
+            if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air {
                 self.at_first_grain(visit, trail, &state);
             }
         }
@@ -225,15 +265,24 @@ impl<'a> Seeker<'a> {
     fn follow_shadow_rays(&mut self, trails: &mut [Trail]) {
         let mut clear = vec![false; self.rays.len()];
         self.probes.follow(&self.rays, |index, answer| clear[index] = answer == ProbeAnswer::Clear);
-        self.shadow_rays += self.rays.len() as u64;
         self.rays.clear();
+        let surfaces = &self.world.surfaces;
         for (wanted, clear) in self.wanted.drain(..).zip(clear) {
-            let surfaces = &self.world.surfaces;
-            let hidden = !clear
-                || !surfaces.is_empty()
-                    && surfaces.intersect(&wanted.ray, wanted.distance, None).is_some();
-            if !hidden {
-                trails[wanted.lane].contributions.push(wanted.contribution);
+            if !clear {
+                continue;
+            }
+            let hit = if surfaces.is_empty() {
+                None
+            } else {
+                surfaces.intersect(&wanted.ray, wanted.distance, None)
+            };
+            if hit.is_some_and(|hit| wanted.lamp != Some(hit.id.object)) {
+                continue;
+            }
+            match (wanted.brings, &mut self.tally) {
+                (Brings::Light(light), _) => trails[wanted.lane].contributions.push(light),
+                (Brings::Count(bin), Some(tally)) => tally.found(bin),
+                (Brings::Count(_), None) => {}
             }
         }
     }
@@ -242,10 +291,6 @@ impl<'a> Seeker<'a> {
     fn quanta(&self, metres: f64) -> f32 {
         (metres / self.world.grid.quantum()).min(1e30) as f32
     }
-}
-
-fn direction_of(visit: &GrainVisit) -> DVec3 {
-    DVec3::from_array(visit.direction.map(f64::from)).normalize()
 }
 
 /// The key of the random numbers of a search.

@@ -1,6 +1,6 @@
 //! Light at a diffuse surface.
 
-use super::{PathState, Seeker, Trail, Vertex, Wanted, product, scaled, search_key};
+use super::{Brings, PathState, Seeker, Trail, Vertex, Wanted, product, scaled, search_key};
 use crate::transport::Contribution;
 use core::f64::consts::PI;
 use snowgrain_accel::{Probe, STRATA, SurfaceId};
@@ -39,25 +39,31 @@ impl Seeker<'_> {
             trail.vertex = Vertex::SurfaceInIce;
             return;
         }
-        trail.vertex = Vertex::Surface(bounce.normal);
+        trail.vertex = Vertex::Surface(bounce.position, bounce.normal);
+        if self.tally.is_some() {
+            return;
+        }
         let [light, u, v] = numbers(search_key(state.key), 2 * bounce.event).map(f64::from);
-        let sought = &self.search.sought;
-        let Some(sample) = sought.sample(bounce.position, [light, u, v]) else { return };
+        let Some(sample) = self.search.late.sample(bounce.position, [light, u, v]) else { return };
         let density = bounce.normal.dot(sample.direction) / PI;
         if density <= 0.0 {
             return;
         }
         let ray = Ray::new(bounce.position, sample.direction);
         let surfaces = &self.world.surfaces;
-        if surfaces.intersect(&ray, sample.distance, Some(bounce.surface)).is_some() {
+        let lamp = sample.surface.map(|id| id.object);
+        let hit = surfaces.intersect(&ray, sample.distance, Some(bounce.surface));
+        if hit.is_some_and(|hit| lamp != Some(hit.id.object)) {
             return;
         }
+        // The balance heuristic; nothing meets a point by chance.
+        let rivals = if sample.is_point { 0.0 } else { density };
         let contribution = Contribution {
             slot: sample.slot,
             glint: false,
             weight: scaled(
                 product(state.throughput, sample.radiance),
-                density / (sample.pdf + density),
+                density / (sample.pdf + rivals),
             ),
             ice_length: bounce.ice_length,
             ice_in_strata: bounce.ice_in_strata,
@@ -70,7 +76,8 @@ impl Seeker<'_> {
         let length = self.quanta(sample.distance - t);
         self.rays.push(Probe::through_air(start, sample.direction, length));
         // Surfaces have been looked at.
-        self.wanted.push(Wanted { lane: bounce.lane, contribution, ray, distance: 0.0 });
+        let brings = Brings::Light(contribution);
+        self.wanted.push(Wanted { lane: bounce.lane, brings, ray, distance: 0.0, lamp: None });
         self.follow_shadow_rays(trails);
     }
 }
