@@ -38,7 +38,8 @@ pub struct ScatterTable {
 struct Ways {
     /// Part of the energy of the bin, with that of the ways before.
     cumulative: f32,
-    /// Angle of the outward normal at the exit.
+    /// Angles of the outward normal at the entry and at the exit.
+    entry: [f32; 2],
     exit: [f32; 2],
     /// Length in the sphere from the plane through its centre across the direction of arrival (where
     /// light comes from ice), or from the entry, to the exit.
@@ -48,6 +49,8 @@ struct Ways {
 /// One way through a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
+    /// Angle of the outward normal at the entry, radians.
+    pub entry: f64,
     /// Angle of the outward normal at the exit, radians.
     pub exit: f64,
     /// Length in the sphere, radii: from the entry where light arrives from air, else from the plane
@@ -60,8 +63,9 @@ pub struct Way {
 struct Turn {
     /// Angle by which it is turned in all, away from the side of the disc on which it arrived.
     deflection: f64,
-    /// Angle of the outward normal at the exit from the direction of arrival, towards the side on
-    /// which it arrived.
+    /// Angles of the outward normal at the entry and at the exit from the direction of arrival, towards
+    /// the side on which it arrived.
+    entry: f64,
     exit: f64,
     length: f64,
 }
@@ -132,7 +136,7 @@ impl ScatterTable {
         let ways = &self.ways[self.first[bin] as usize..self.first[bin + 1] as usize];
         let ways = ways.iter().find(|ways| random[0] < f64::from(ways.cumulative));
         let at = |[from, to]: [f32; 2]| f64::from(from) + random[1] * f64::from(to - from);
-        ways.map(|ways| Way { exit: at(ways.exit), length: at(ways.length) })
+        ways.map(|ways| Way { entry: at(ways.entry), exit: at(ways.exit), length: at(ways.length) })
     }
 }
 
@@ -150,6 +154,7 @@ fn turn_from_air(impact: &Impact, order: u32) -> Turn {
             0 => -impact.deflection(0),
             _ => impact.deflection(order),
         },
+        entry: PI - impact.theta_i,
         exit: PI - impact.theta_i - f64::from(order) * (PI - 2.0 * impact.theta_t),
         length: f64::from(order) * impact.chord(),
     }
@@ -163,6 +168,7 @@ fn turn_from_ice(medium: Dielectric, sine: f64, order: u32) -> Turn {
     let turns = f64::from(order - 1);
     Turn {
         deflection: outside - inside + turns * (PI - 2.0 * inside),
+        entry: PI - inside,
         exit: inside - turns * (PI - 2.0 * inside),
         length: cosine * (1.0 + 2.0 * turns),
     }
@@ -182,6 +188,7 @@ struct Collected {
 struct Found {
     order: u32,
     energy: f64,
+    entry: [f64; 2],
     exit: [f64; 2],
     length: [f64; 2],
 }
@@ -208,9 +215,10 @@ impl Collected {
             let part = if high > low { (ends[1] - ends[0]) / (high - low) } else { 1.0 };
             let along = |end: f64| if b == a { 0.0 } else { (end - a) / (b - a) };
             let at = |[x, y]: [f64; 2]| ends.map(|end| x + along(end) * (y - x));
+            let entry = at([side * from.entry, side * to.entry]);
             let exit = at([side * from.exit, side * to.exit]);
             let length = at([from.length, to.length]);
-            self.join(bin, Found { order, energy: energy * part, exit, length });
+            self.join(bin, Found { order, energy: energy * part, entry, exit, length });
         }
     }
 
@@ -229,6 +237,7 @@ impl Collected {
         });
         match beside {
             Some((known, (i, j))) => {
+                known.entry[i] = found.entry[1 - j];
                 known.exit[i] = found.exit[1 - j];
                 known.length[i] = found.length[1 - j];
                 known.energy += found.energy;
@@ -250,6 +259,7 @@ impl Collected {
                 sum += ways.energy;
                 table.ways.push(Ways {
                     cumulative: (sum / total) as f32,
+                    entry: ways.entry.map(|angle| angle as f32),
                     exit: ways.exit.map(|angle| angle as f32),
                     length: ways.length.map(|length| length as f32),
                 });

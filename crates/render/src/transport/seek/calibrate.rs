@@ -9,7 +9,8 @@
 //! search finds. In uniform light it is then right on average; in any other what is left is how the ratio
 //! changes within a bin.
 
-use super::{Brings, LastArrival, LightSearch, PathState, Seeker, search_key};
+use super::shadow::{Beginning, Brings};
+use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
 use crate::camera::Camera;
 use crate::transport::{NewPath, PathResult, PathSource, trace_seeking};
 use crate::world::World;
@@ -83,8 +84,8 @@ impl Default for Tally {
 }
 
 impl Tally {
-    pub(super) fn found(&mut self, bin: Bin) {
-        self.found[bin.0] += 1;
+    pub(super) fn found(&mut self, bin: Bin, times: u32) {
+        self.found[bin.0] += u64::from(times);
     }
 
     pub(super) fn escaped(&mut self, from: ArrivalFrom, order: u32, cosine: f64) {
@@ -170,7 +171,7 @@ impl Seeker<'_> {
             ArrivalFrom::Air => turn_from_air(medium, random),
             ArrivalFrom::Ice => turn_from_ice(medium, random),
         };
-        let Some([leaves, exit]) = turn else { return };
+        let Some([entry, exit, leaves]) = turn else { return };
         let (s, t) = frame::tangents(last.direction);
         let (sin, cos) = trig::sin_cos(TAU * random[2]);
         let across = s * cos + t * sin;
@@ -180,13 +181,22 @@ impl Seeker<'_> {
         };
         let direction = at(leaves);
         let bin = Bin::new(visit.from, order, last.direction.dot(direction));
-        self.want(visit, at(exit), (direction, f64::INFINITY, None), Brings::Count(bin));
+        let beginning = Beginning {
+            grain: (visit.center, visit.radius),
+            direction: last.direction,
+            normal: at(entry),
+            origin: last.origin,
+            key,
+            event: visit.event,
+        };
+        let towards = (direction, f64::INFINITY, None);
+        self.want(visit, at(exit), towards, Brings::Count(bin), Some(beginning));
     }
 }
 
-/// Angles, from the direction of arrival towards the side on which light arrives, of the direction in which
-/// it leaves and of the normal at the exit: `random[0]` chooses the place on the disc, `random[1]` the order.
-fn turn_from_air(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 2]> {
+/// Angles, from the direction of arrival towards the side on which light arrives, of the normals at the
+/// entry and at the exit, and of the direction in which light leaves: `random[0]` chooses the place on the disc, `random[1]` the order.
+fn turn_from_air(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 3]> {
     let impact = Impact::at_disc_fraction(medium, random[0]);
     let order = order_of(random[1], |order| impact.energy(order));
     let leaves = match order {
@@ -194,11 +204,11 @@ fn turn_from_air(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 2]> {
         _ => -impact.deflection(order),
     };
     let exit = PI - impact.theta_i - f64::from(order) * (PI - 2.0 * impact.theta_t);
-    Some([leaves, exit])
+    Some([PI - impact.theta_i, exit, leaves])
 }
 
 /// The same of light that is in the ice; `None` where it does not get out.
-fn turn_from_ice(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 2]> {
+fn turn_from_ice(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 3]> {
     let sine = random[0].sqrt();
     let outside = Some(medium.eta * sine).filter(|&sine| sine < 1.0)?;
     let (inside, outside) = (trig::asin(sine), trig::asin(outside));
@@ -206,7 +216,7 @@ fn turn_from_ice(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 2]> {
     let order =
         order_of(random[1], |order| (1.0 - reflectance) * trig::pow(reflectance, f64::from(order)));
     let exit = inside - f64::from(order) * (PI - 2.0 * inside);
-    Some([exit - outside, exit])
+    Some([PI - inside, exit, exit - outside])
 }
 
 /// The order that a number chooses among orders of these shares.

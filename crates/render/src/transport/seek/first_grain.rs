@@ -13,9 +13,10 @@
 //! is placed at random and goes on at the other edge of the pixel.
 
 use super::grains::turned;
+use super::shadow::Brings;
 use super::{
-    Brings, PathState, SOLVED_ORDERS, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, View, product,
-    scaled, search_key,
+    PathState, SOLVED_ORDERS, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, View, product, scaled,
+    search_key,
 };
 use crate::camera::Bundle;
 use crate::light::LightRole;
@@ -147,7 +148,7 @@ impl Seeker<'_> {
                     ice_in_strata,
                 });
                 let towards = (sample.direction, sample.distance, None);
-                self.want(visit, solution.exit, towards, brings);
+                self.want(visit, solution.exit, towards, brings, None);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Light at a grain that a path strikes at a random place.
 
-use super::{Brings, LastArrival, PathState, Seeker, Wanted, product, scaled, search_key};
+use super::shadow::{Beginning, Brings, Wanted};
+use super::{LastArrival, PathState, Seeker, product, scaled, search_key};
 use crate::transport::Contribution;
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe};
 use snowgrain_math::sampler::numbers;
@@ -35,7 +36,7 @@ impl Seeker<'_> {
             return;
         }
         let Some(way) = table.way(cosine, [which, place]) else { return };
-        let normal = turned(last.direction, sample.direction, cosine, way.exit);
+        let normal = |angle| turned(last.direction, sample.direction, cosine, angle);
         let gain = search.gains.gain(visit.from, order, cosine);
         // The balance heuristic; nothing meets a point by chance.
         let rivals = if sample.is_point { 0.0 } else { density };
@@ -49,7 +50,15 @@ impl Seeker<'_> {
             ice_in_strata,
         });
         let towards = (sample.direction, sample.distance, sample.surface.map(|id| id.object));
-        self.want(visit, normal, towards, brings);
+        let beginning = Beginning {
+            grain: (visit.center, visit.radius),
+            direction: last.direction,
+            normal: normal(way.entry),
+            origin: last.origin,
+            key,
+            event: visit.event,
+        };
+        self.want(visit, normal(way.exit), towards, brings, Some(beginning));
     }
 
     /// Sends a shadow ray from the grain, where its outward normal is `normal`, in a direction over a
@@ -60,6 +69,7 @@ impl Seeker<'_> {
         normal: DVec3,
         (direction, distance, lamp): (DVec3, f64, Option<u32>),
         brings: Brings,
+        beginning: Option<Beginning>,
     ) {
         let grid = &self.world.grid;
         let stored = (visit.center, visit.radius);
@@ -67,7 +77,8 @@ impl Seeker<'_> {
         if let Some(probe) = Probe::leaving(grid, stored, normal, direction, length) {
             let ray = Ray::new(grid.world(probe.start), direction);
             self.rays.push(probe);
-            self.wanted.push(Wanted { lane: visit.lane, brings, ray, distance, lamp });
+            let lane = visit.lane;
+            self.wanted.push(Wanted { lane, brings, ray, distance, lamp, beginning });
         }
     }
 

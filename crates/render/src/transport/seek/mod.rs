@@ -20,6 +20,7 @@ pub mod calibrate;
 mod chance;
 mod first_grain;
 mod grains;
+mod shadow;
 mod surfaces;
 
 pub(super) use chance::Met;
@@ -30,9 +31,10 @@ use crate::camera::{Bundle, Camera};
 use crate::light::{LightRole, Lights};
 use crate::world::World;
 use calibrate::{Gains, Tally};
-use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, ProbeAnswer, Probes, SimdLevel};
+use shadow::{Origin, Wanted};
+use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
+use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
-use snowgrain_math::{DVec3, Ray};
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
 
 /// Angle across suns where they are met by chance after one or two grains, degrees.
@@ -161,6 +163,7 @@ struct LastArrival {
     direction: DVec3,
     /// Centre of the grain.
     center: DVec3,
+    origin: Origin,
 }
 
 impl Trail {
@@ -197,23 +200,6 @@ pub(crate) struct Seeker<'a> {
     tally: Option<Tally>,
 }
 
-/// What a shadow ray brings if it is clear.
-struct Wanted {
-    lane: usize,
-    brings: Brings,
-    /// Where it starts, how far surfaces may hide the light, and the object that shines.
-    ray: Ray,
-    distance: f64,
-    lamp: Option<u32>,
-}
-
-/// What a clear shadow ray brings.
-enum Brings {
-    Light(Contribution),
-    /// A count.
-    Count(calibrate::Bin),
-}
-
 impl<'a> Seeker<'a> {
     pub(crate) fn new(
         world: &'a World,
@@ -246,6 +232,13 @@ impl<'a> Seeker<'a> {
                 from: visit.from,
                 direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
                 center: self.world.grid.world(visit.center),
+                origin: match visit.from {
+                    ArrivalFrom::Ice => Origin::Ice,
+                    ArrivalFrom::Air if order == 1 && trail.vertex == Vertex::Camera => {
+                        Origin::Open
+                    }
+                    ArrivalFrom::Air => Origin::Matter,
+                },
             };
             trail.last = Some(last);
             trail.through_ice |= visit.from == ArrivalFrom::Ice;
@@ -259,32 +252,6 @@ impl<'a> Seeker<'a> {
             }
         }
         self.follow_shadow_rays(trails);
-    }
-
-    /// Follows the shadow rays that wait, and books what those bring that are clear.
-    fn follow_shadow_rays(&mut self, trails: &mut [Trail]) {
-        let mut clear = vec![false; self.rays.len()];
-        self.probes.follow(&self.rays, |index, answer| clear[index] = answer == ProbeAnswer::Clear);
-        self.rays.clear();
-        let surfaces = &self.world.surfaces;
-        for (wanted, clear) in self.wanted.drain(..).zip(clear) {
-            if !clear {
-                continue;
-            }
-            let hit = if surfaces.is_empty() {
-                None
-            } else {
-                surfaces.intersect(&wanted.ray, wanted.distance, None)
-            };
-            if hit.is_some_and(|hit| wanted.lamp != Some(hit.id.object)) {
-                continue;
-            }
-            match (wanted.brings, &mut self.tally) {
-                (Brings::Light(light), _) => trails[wanted.lane].contributions.push(light),
-                (Brings::Count(bin), Some(tally)) => tally.found(bin),
-                (Brings::Count(_), None) => {}
-            }
-        }
     }
 
     /// How far a probe goes that looks at a light at this distance, quanta.

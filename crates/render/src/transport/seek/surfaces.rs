@@ -1,6 +1,7 @@
 //! Light at a diffuse surface.
 
-use super::{Brings, PathState, Seeker, Trail, Vertex, Wanted, product, scaled, search_key};
+use super::shadow::{Brings, Wanted};
+use super::{PathState, Seeker, Trail, Vertex, product, scaled, search_key};
 use crate::transport::Contribution;
 use core::f64::consts::PI;
 use snowgrain_accel::{Probe, STRATA, SurfaceId};
@@ -77,7 +78,8 @@ impl Seeker<'_> {
         self.rays.push(Probe::through_air(start, sample.direction, length));
         // Surfaces have been looked at.
         let brings = Brings::Light(contribution);
-        self.wanted.push(Wanted { lane: bounce.lane, brings, ray, distance: 0.0, lamp: None });
+        let (lane, beginning) = (bounce.lane, None);
+        self.wanted.push(Wanted { lane, brings, ray, distance: 0.0, lamp: None, beginning });
         self.follow_shadow_rays(trails);
     }
 }
