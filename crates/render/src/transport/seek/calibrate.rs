@@ -181,16 +181,16 @@ impl Seeker<'_> {
         };
         let direction = at(leaves);
         let bin = Bin::new(visit.from, order, last.direction.dot(direction));
-        let beginning = Beginning {
+        let beginning = last.origin.map(|origin| Beginning {
             grain: (visit.center, visit.radius),
             direction: last.direction,
             normal: at(entry),
-            origin: last.origin,
+            origin,
             key,
             event: visit.event,
-        };
+        });
         let towards = (direction, f64::INFINITY, None);
-        self.want(visit, at(exit), towards, Brings::Count(bin), Some(beginning));
+        self.want(visit, at(exit), towards, Brings::Count(bin), beginning);
     }
 }
 

@@ -10,7 +10,7 @@
 //! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
 //!   its visibility among the real grains ([`first_grain`]);
 //! - at the second, and at the first two after a diffuse surface, the sun is met by chance, but it is
-//!   [`WIDENED_DEGREES`] wide, which moves an image of it by a few hundredths of a grain's radius and
+//!   [`WIDENED_DEGREES`] wide, which moves an image of it by less than a tenth of a grain's radius and
 //!   leaves its light as it is.
 //!
 //! Lights that are met by chance as well share the light with it by the balance heuristic (Veach and
@@ -38,7 +38,7 @@ use snowgrain_math::sampler::PathKey;
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
 
 /// Angle across suns where they are met by chance after one or two grains, degrees.
-pub const WIDENED_DEGREES: f64 = 10.0;
+pub const WIDENED_DEGREES: f64 = 30.0;
 
 /// Orders of the first grain that are solved; higher ones (.3 % of its light) are met by chance.
 const SOLVED_ORDERS: u32 = 3;
@@ -163,7 +163,8 @@ struct LastArrival {
     direction: DVec3,
     /// Centre of the grain.
     center: DVec3,
-    origin: Origin,
+    /// Where its light came from, where ways through the grain must begin at such a place.
+    origin: Option<Origin>,
 }
 
 impl Trail {
@@ -233,11 +234,11 @@ impl<'a> Seeker<'a> {
                 direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
                 center: self.world.grid.world(visit.center),
                 origin: match visit.from {
-                    ArrivalFrom::Ice => Origin::Ice,
+                    ArrivalFrom::Ice => None,
                     ArrivalFrom::Air if order == 1 && trail.vertex == Vertex::Camera => {
-                        Origin::Open
+                        Some(Origin::Open)
                     }
-                    ArrivalFrom::Air => Origin::Matter,
+                    ArrivalFrom::Air => Some(Origin::Matter),
                 },
             };
             trail.last = Some(last);

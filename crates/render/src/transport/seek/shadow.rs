@@ -2,11 +2,11 @@
 //!
 //! A way through a grain that was found for a random place begins at some point of the grain. Where light
 //! arrived from another grain, that point must see a grain too, not the open sky, from which the path did
-//! not come; where it arrived from the camera, the open; where it came through ice, the point must be
-//! within another grain. The way is therefore dropped where its beginning is of another kind than that
-//! of the path ([`Origin`]), and weighted by one over the part of the grain's disc that is of the kind:
-//! on average the number of random places until one is (see [`super::first_grain`]). Without this snow
-//! in low sun is up to 3 % off, since where light goes out most easily none came in.
+//! not come; where it arrived from the camera, the open. The way is therefore dropped where its beginning
+//! is of another kind than that of the path ([`Origin`]), and weighted by one over the part of the grain's
+//! disc that is of the kind: on average the number of random places until one is (see
+//! [`super::first_grain`]): where light goes out most easily none came in. Light that came through ice is
+//! let be: to ask for a beginning within another grain doubles the variance.
 
 use super::calibrate::Bin;
 use super::{Seeker, Trail};
@@ -59,8 +59,8 @@ pub(super) enum Origin {
     Open,
     /// Another grain or a surface.
     Matter,
-    /// The point lies within another grain.
-    Ice,
+    /// The point lies within another grain: no light arrives there from air.
+    Covered,
 }
 
 impl Beginning {
@@ -166,7 +166,7 @@ impl Seeker<'_> {
             seen[of_ray[ray]] = match answer {
                 ProbeAnswer::Clear => Origin::Open,
                 ProbeAnswer::Met { .. } => Origin::Matter,
-                ProbeAnswer::Covered => Origin::Ice,
+                ProbeAnswer::Covered => Origin::Covered,
             };
         });
         let surfaces = &self.world.surfaces;
