@@ -48,6 +48,8 @@ pub struct FilmDescription {
     /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
     /// chosen after the render.
     pub keep_ice_paths: bool,
+    /// Exposure at which the picture is meant to be shown, stops; it changes no sums.
+    pub exposure_stops: f64,
 }
 
 impl FilmDescription {
@@ -55,7 +57,15 @@ impl FilmDescription {
     #[must_use]
     pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
         let primaries = Primaries::Srgb;
-        Self { width, height, samples_per_pixel, seed, primaries, keep_ice_paths: false }
+        Self {
+            width,
+            height,
+            samples_per_pixel,
+            seed,
+            primaries,
+            keep_ice_paths: false,
+            exposure_stops: 0.0,
+        }
     }
 }
 

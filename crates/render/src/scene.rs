@@ -148,6 +148,7 @@ fn grade(description: &SceneDescription, environment: &Environment) -> Grade {
         absorption: ice.absorption,
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
+        exposure_stops: description.film.exposure_stops,
     }
 }
 

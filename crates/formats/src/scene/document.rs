@@ -138,6 +138,12 @@ pub struct CameraTable {
     /// shows it; default 0, a corner up; perspective with blades.
     #[serde(default)]
     pub blade_rotation: Option<f64>,
+    /// Exposure value at ISO 100, for lights in cd/m^2: PNG files show the luminance 1.2 * 2^ev100
+    /// cd/m^2 as white, so sunlit snow is well exposed at about 15 and snow in open shade at 12; -30 to 50;
+    /// default none: a radiance of 1 is white. EXR and film files hold the light as it is and carry the
+    /// exposure beside it.
+    #[serde(default)]
+    pub ev100: Option<f64>,
     /// What the camera sees behind everything, where no visible light is: radiance, one number or
     /// [r, g, b], at least 0; default 0. It lights nothing.
     #[serde(default = "black")]

@@ -98,6 +98,7 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
             PrimariesName::Acescg => Primaries::AcesCg,
         },
         keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
+        exposure_stops: camera::exposure_stops(checks)?,
     })
 }
 

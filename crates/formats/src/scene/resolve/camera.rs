@@ -40,6 +40,20 @@ pub(super) fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneErro
     Ok(CameraDescription { from, at, up, projection, backdrop })
 }
 
+/// log2 of 1.2 cd/m^2: what saturates a camera at an exposure value of 0, 78 / (100 * 0.65) by ISO
+/// 12232 with a lens that lets 0.65 through (Lagarde and de Rousiers 2014, "Moving Frostbite to
+/// Physically Based Rendering", section 5.1.2).
+const LOG2_SATURATION: f64 = 0.263_034_405_833_793_8;
+
+/// The exposure that makes the luminance white which saturates a camera set to `camera.ev100`.
+pub(super) fn exposure_stops(checks: &Checks<'_>) -> Result<f64, SceneError> {
+    match checks.document().camera.ev100 {
+        None => Ok(0.0),
+        Some(ev100) if (-30.0..=50.0).contains(&ev100) => Ok(-(ev100 + LOG2_SATURATION)),
+        Some(_) => Err(checks.bad("camera.ev100", "must be -30 to 50 (sunlit snow has 15)")),
+    }
+}
+
 fn orthographic(checks: &Checks<'_>, table: &CameraTable) -> Result<Projection, SceneError> {
     let foreign = [
         ("vertical_fov", table.vertical_fov.is_some()),

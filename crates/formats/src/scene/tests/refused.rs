@@ -296,6 +296,7 @@ fn films_and_cameras_are_checked() {
     assert!(set("camera.up=[0,0,0]").contains("must not be zero"));
     assert!(set("camera.up=[0,-1,-3]").contains("must not point along the line of sight"));
     assert!(set("camera.up=[0,nan,0]").contains("must be finite numbers"));
+    assert!(set("camera.ev100=nan").contains("must be -30 to 50"));
     assert!(set("camera.backdrop=-1").contains("must be finite and not negative"));
 }
 
