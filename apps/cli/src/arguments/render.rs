@@ -9,7 +9,8 @@ use std::time::Duration;
 /// Renders a scene.
 ///
 /// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
-/// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
+/// mesh (.obj, .ply) or model (.gltf, .glb), for which camera, light, ground and snow are chosen; a shot
+/// (.gltf, .glb with a camera) keeps its camera and objects, and snow falls on them.
 #[derive(Debug, Args)]
 #[command(args_override_self = true)]
 #[command(after_help = "Examples:\n  \

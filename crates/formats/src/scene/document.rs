@@ -19,8 +19,12 @@ pub struct SceneDocument {
     /// The picture.
     #[serde(default)]
     pub film: FilmTable,
-    /// The camera.
-    pub camera: CameraTable,
+    /// A shot made elsewhere, of which objects and camera are taken over.
+    #[serde(default)]
+    pub import: Option<ImportTable>,
+    /// The camera; may be left out where `import` has one.
+    #[serde(default)]
+    pub camera: Option<CameraTable>,
     /// The ice that grains are made of.
     #[serde(default)]
     pub ice: IceTable,
@@ -89,6 +93,27 @@ impl Default for FilmTable {
             keep: Vec::new(),
         }
     }
+}
+
+/// A glTF 2.0 file whose objects are taken over, each with its base colour for albedo, before those of
+/// `object`. All of it is scaled, then rotated, then translated.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ImportTable {
+    /// The file (.gltf or .glb), relative to the scene file.
+    pub file: String,
+    /// Name of the camera that is taken where there is no `[camera]`: a string; default the first.
+    #[serde(default)]
+    pub camera: Option<String>,
+    /// Scale: one number or [x, y, z], none of them 0; default 1.
+    #[serde(default = "one")]
+    pub scale: Triple,
+    /// Rotation in degrees about x, then y, then z: [x, y, z]; default [0, 0, 0].
+    #[serde(default)]
+    pub rotate: [f64; 3],
+    /// Translation: [x, y, z], lengths; default [0, 0, 0].
+    #[serde(default = "nowhere")]
+    pub translate: [Length; 3],
 }
 
 /// A camera: a pinhole, to which all is sharp, a thin lens, or parallel rays.
@@ -272,7 +297,7 @@ pub struct ObjectTable {
     /// Name used in messages: a string; default the file's name or `object.N`.
     #[serde(default)]
     pub name: Option<String>,
-    /// Mesh file (.obj or .ply), relative to the scene file; only for shape = "mesh".
+    /// Mesh file (.obj, .ply, .gltf or .glb), relative to the scene file; only for shape = "mesh".
     #[serde(default)]
     pub file: Option<String>,
     /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.

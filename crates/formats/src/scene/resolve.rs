@@ -2,6 +2,7 @@
 
 mod camera;
 mod checks;
+mod import;
 mod objects;
 mod snow;
 
@@ -10,6 +11,7 @@ use super::document::{
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
+use crate::gltf::ImportedScene;
 use crate::laboratory::{impurity_kind, parse_load};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
@@ -30,12 +32,17 @@ pub type ReadMesh<'a> = dyn FnMut(&Path) -> Result<TriangleMesh, LoadError> + 'a
 /// Reads a grain file.
 pub type ReadGrains<'a> = dyn FnMut(&Path) -> Result<GrainField, LoadError> + 'a;
 
+/// Reads a shot made elsewhere.
+pub type ReadImport<'a> = dyn FnMut(&Path) -> Result<ImportedScene, LoadError> + 'a;
+
 /// How the files that a scene refers to are read.
 pub struct Loader<'a> {
     /// Reads a mesh.
     pub mesh: &'a mut ReadMesh<'a>,
     /// Reads grains.
     pub grains: &'a mut ReadGrains<'a>,
+    /// Reads a shot.
+    pub import: &'a mut ReadImport<'a>,
 }
 
 /// What the scene means: every value checked, units converted, references loaded (relative to the
@@ -49,18 +56,24 @@ pub struct Loader<'a> {
 /// let scene = builtin_scene("snowy-teapot").unwrap();
 /// let file = SceneFile::parse(scene.toml, "snowy-teapot".as_ref(), &["film.width=64".into()])?;
 /// let none = |_: &std::path::Path| Err("it refers to no file".into());
-/// let description = resolve(&file, Loader { mesh: &mut { none }, grains: &mut |_| Err("nor here".into()) })?;
+/// let (grains, import) = (&mut |_: &_| Err("nor here".into()), &mut |_: &_| Err("nor here".into()));
+/// let description = resolve(&file, Loader { mesh: &mut { none }, grains, import })?;
 /// assert_eq!(description.film.width, 64);
 /// # Ok::<(), snowgrain_formats::scene::SceneError>(())
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains } = loader;
+    let Loader { mesh, grains, import } = loader;
     let film = film(&checks)?;
-    let camera = camera::camera(&checks)?;
+    let written_camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
     let lights = lights(&checks)?;
-    let objects = objects::objects(&checks, mesh)?;
+    let shot = import::import(&checks, import)?;
+    let no_camera =
+        || checks.missing("camera", "add [camera] with from = [0, 1, 3], at = [0, 0, 0]");
+    let camera = written_camera.or(shot.camera).ok_or_else(no_camera)?;
+    let mut objects = shot.objects;
+    objects.extend(objects::objects(&checks, mesh)?);
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
     let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;

@@ -16,8 +16,9 @@ const SENSOR_HEIGHT: f64 = 0.024;
 /// Most blades.
 const MOST_BLADES: u32 = 64;
 
-pub(super) fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneError> {
-    let table = &checks.document().camera;
+/// The camera as written, if it is.
+pub(super) fn camera(checks: &Checks<'_>) -> Result<Option<CameraDescription>, SceneError> {
+    let Some(table) = &checks.document().camera else { return Ok(None) };
     let from = checks.position("camera.from", table.from)?;
     let at = checks.position("camera.at", table.at)?;
     let up = DVec3::from(checks.finite("camera.up", table.up)?);
@@ -37,7 +38,7 @@ pub(super) fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneErro
         CameraKind::Orthographic => orthographic(checks, table)?,
     };
     let backdrop = checks.radiance("camera.backdrop", table.backdrop)?;
-    Ok(CameraDescription { from, at, up, projection, backdrop })
+    Ok(Some(CameraDescription { from, at, up, projection, backdrop }))
 }
 
 /// log2 of 1.2 cd/m^2: what saturates a camera at an exposure value of 0, 78 / (100 * 0.65) by ISO
@@ -47,7 +48,7 @@ const LOG2_SATURATION: f64 = 0.263_034_405_833_793_8;
 
 /// The exposure that makes the luminance white which saturates a camera set to `camera.ev100`.
 pub(super) fn exposure_stops(checks: &Checks<'_>) -> Result<f64, SceneError> {
-    match checks.document().camera.ev100 {
+    match checks.document().camera.as_ref().and_then(|camera| camera.ev100) {
         None => Ok(0.0),
         Some(ev100) if (-30.0..=50.0).contains(&ev100) => Ok(-(ev100 + LOG2_SATURATION)),
         Some(_) => Err(checks.bad("camera.ev100", "must be -30 to 50 (sunlit snow has 15)")),

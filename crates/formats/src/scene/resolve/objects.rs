@@ -134,7 +134,7 @@ fn mesh(
 
 /// A mesh may hold any finite vertex, and places may add up; in the world all must stay within
 /// reach.
-fn check_reach(
+pub(super) fn check_reach(
     checks: &Checks<'_>,
     key: &str,
     bounds: &Aabb,
@@ -151,13 +151,13 @@ fn check_reach(
 }
 
 /// How something is moved: scaled, then rotated, then translated.
-struct Placement {
-    scale: Triple,
-    rotate: [f64; 3],
-    translate: [Length; 3],
+pub(super) struct Placement {
+    pub(super) scale: Triple,
+    pub(super) rotate: [f64; 3],
+    pub(super) translate: [Length; 3],
 }
 
-fn transform(
+pub(super) fn transform(
     checks: &Checks<'_>,
     path: &str,
     placement: &Placement,

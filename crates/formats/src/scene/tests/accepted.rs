@@ -190,7 +190,9 @@ fn meshes_are_read_once_relative_to_the_scene() {
         Ok(triangle())
     };
     let mut no_grains = |_: &Path| Err(LoadError::from("none"));
-    let scene = resolve(&file, Loader { mesh: &mut read_mesh, grains: &mut no_grains }).unwrap();
+    let import = &mut |_: &Path| Err(LoadError::from("nor here"));
+    let loader = Loader { mesh: &mut read_mesh, grains: &mut no_grains, import };
+    let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
     assert_eq!(scene.objects[0].name, "model.obj");
     assert_eq!(scene.objects[1].name, "again");
@@ -254,6 +256,27 @@ fn cubes_are_seen_by_the_camera_of_the_benchmark() {
         assert!((scene.camera.from - from).length() < 1e-12 * side);
         assert_eq!(scene.camera.projection, Projection::pinhole(40.0));
     }
+}
+
+#[test]
+fn a_shot_gives_its_objects_and_its_camera() {
+    let text = "version = 1\n[import]\nfile = \"shot.glb\"\nscale = 2\ntranslate = [1, 0, 0]\n\
+                [[light]]\nkind = \"sky\"\n";
+    let scene = read(text, &[]).unwrap();
+    let [low, high] = &scene.objects[..] else { panic!("{:?}", scene.objects) };
+    let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&low.shape, &high.shape) else { panic!() };
+    assert!(Arc::ptr_eq(a, b), "a mesh is held once");
+    assert_eq!((high.name.as_str(), high.albedo), ("at 0.5", [0.2, 0.3, 0.4]));
+    assert_eq!(high.transform.transform_point3(DVec3::X), DVec3::new(3.0, 1.0, 0.0));
+    assert_eq!(scene.camera.from, DVec3::new(1.0, 0.0, 4.0));
+    assert_eq!(scene.camera.at - scene.camera.from, DVec3::Z * -2.0);
+    assert_eq!(scene.camera.projection, Projection::pinhole(30.0));
+    let plan = read(text, &["import.camera=plan"]).unwrap();
+    assert_eq!(plan.camera.projection, Projection::Orthographic { height: 6.0 });
+    let both = read(&LEAST.replace("[[light]]", "[import]\nfile=\"shot.glb\"\n[[light]]"), &[]);
+    let both = both.unwrap();
+    assert_eq!(both.objects.len(), 3, "the shot's and those of the scene");
+    assert_eq!(both.camera.from, DVec3::new(0.0, 1.0, 3.0), "[camera] goes first");
 }
 
 /// The camera of [`LEAST`] stands sqrt(10) m from where it looks.

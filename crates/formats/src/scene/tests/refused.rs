@@ -301,6 +301,25 @@ fn films_and_cameras_are_checked() {
 }
 
 #[test]
+fn shots_are_checked() {
+    let least = LEAST.replace("[[light]]", "[import]\nfile=\"shot.glb\"\n[[light]]");
+    let shot = |assignments: &[&str]| refusal(&least, assignments);
+    assert!(shot(&["import.file=other.glb"]).contains("import.file = other.glb: no such file"));
+    assert!(shot(&["import.scale=0"]).contains("import.scale = 0: must be finite and not 0"));
+    assert!(shot(&["import.camera=eye"]).contains("[camera] is there already"));
+    assert!(shot(&["import.scale=1e12"]).contains("the object reaches"));
+    let alone = "version = 1\n[import]\nfile = \"shot.glb\"\n[[light]]\nkind = \"sky\"\n";
+    let wrong = refusal(alone, &["import.camera=lens"]);
+    assert!(wrong.contains("the cameras of the file are \"eye\", \"plan\""), "{wrong}");
+    let blind =
+        refusal("version = 1\n[[light]]\nkind = \"sky\"\n[[object]]\nshape = \"box\"\n", &[]);
+    assert_eq!(
+        blind,
+        "folder/scene.toml: camera is missing: add [camera] with from = [0, 1, 3], at = [0, 0, 0]"
+    );
+}
+
+#[test]
 fn lenses_and_parallel_rays_are_checked() {
     let all = |assignments: &[&str]| refusal(LEAST, assignments);
     let lens = |assignment: &str| all(&["camera.aperture=2mm", assignment]);
