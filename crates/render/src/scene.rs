@@ -112,15 +112,20 @@ impl Scene {
         report.surface_bytes = surfaces.memory_bytes() as u64;
         let environment = Environment::new(&description.lights, description.camera.backdrop);
         let grade = grade(description, &environment);
+        let world = World {
+            grid,
+            surfaces,
+            albedos: description.objects.iter().map(|object| object.albedo).collect(),
+            eta: description.ice.eta(),
+        };
+        let mut camera = Camera::new(&description.camera, &description.film);
+        if description.camera.projection.finds_focus() {
+            camera = camera.focused_on_surface(&world, level);
+        }
         Ok(Self {
             hash: hash_scene(description, &digest),
-            world: World {
-                grid,
-                surfaces,
-                albedos: description.objects.iter().map(|object| object.albedo).collect(),
-                eta: description.ice.eta(),
-            },
-            camera: Camera::new(&description.camera, &description.film),
+            world,
+            camera,
             environment,
             colours: grade.colours(),
             strata_colours: grade.strata_colours(&description.strata.loads),

@@ -152,7 +152,8 @@ pub struct CameraTable {
     #[serde(default)]
     pub sensor_height: Option<Length>,
     /// What is sharp: the plane at a distance along the view, as "30 cm", or through a point
-    /// [x, y, z]; default through `at`; perspective with a lens.
+    /// [x, y, z], or "surface", what the middle of the picture shows once all snow lies; default
+    /// through `at`; perspective with a lens.
     #[serde(default)]
     pub focus: Option<Focus>,
     /// Blades of the diaphragm: 0 (a round opening) or 3 to 64 (a regular polygon with its corners on

@@ -5,10 +5,11 @@
 //! along one direction.
 
 mod aperture;
+mod autofocus;
 
 pub use aperture::Aperture;
 
-use crate::description::{CameraDescription, FilmDescription, Projection};
+use crate::description::{CameraDescription, FilmDescription, Focus, Projection};
 use snowgrain_math::{Aabb, DVec3, Ray, trig};
 
 /// A camera that looks along `forward`; image y runs down.
@@ -55,7 +56,8 @@ pub enum Bundle {
 
 impl Camera {
     /// The camera of a description that has been checked (`from != at`, `up` not along the view,
-    /// lengths above 0).
+    /// lengths above 0). What is focused on a surface is focused on `at` first
+    /// ([`Self::focused_on_surface`]).
     #[must_use]
     pub fn new(camera: &CameraDescription, film: &FilmDescription) -> Self {
         let forward = (camera.at - camera.from).normalize();
@@ -70,7 +72,10 @@ impl Camera {
                     aperture: Aperture::new(lens.blades, lens.blade_rotation_degrees),
                     right: right * (lens.diameter * 0.5),
                     up: -down * (lens.diameter * 0.5),
-                    focus: lens.focus_distance,
+                    focus: match lens.focus {
+                        Focus::Distance(distance) => distance,
+                        Focus::Surface => (camera.at - camera.from).length(),
+                    },
                 });
                 (half_height, rays)
             }

@@ -2,10 +2,9 @@
 
 use super::super::SceneError;
 use super::super::document::{CameraKind, CameraTable};
-use super::super::focus::Focus;
 use super::checks::Checks;
 use snowgrain_math::{DVec3, trig};
-use snowgrain_render::description::{CameraDescription, Lens, Projection};
+use snowgrain_render::description::{CameraDescription, Focus, Lens, Projection};
 
 /// Vertical field of view where none is given, degrees.
 const VERTICAL_FOV_DEGREES: f64 = 40.0;
@@ -95,7 +94,7 @@ fn perspective(
     };
     let lens = Lens {
         diameter,
-        focus_distance: focus_distance(checks, table.focus, view)?,
+        focus: self::focus(checks, table.focus, view)?,
         blades: blades(checks, table.blades)?,
         blade_rotation_degrees: blade_rotation(checks, table)?,
     };
@@ -147,19 +146,23 @@ fn refuse_without_lens(checks: &Checks<'_>, table: &CameraTable) -> Result<(), S
     Ok(())
 }
 
-fn focus_distance(
+fn focus(
     checks: &Checks<'_>,
-    focus: Option<Focus>,
+    written: Option<super::super::Focus>,
     (from, gaze, at): (DVec3, DVec3, DVec3),
-) -> Result<f64, SceneError> {
-    let point = match focus {
-        Some(Focus::Distance(distance)) => return checks.size("camera.focus", distance),
-        Some(Focus::Point(point)) => checks.position("camera.focus", point)?,
+) -> Result<Focus, SceneError> {
+    use super::super::Focus as Written;
+    let point = match written {
+        Some(Written::Surface) => return Ok(Focus::Surface),
+        Some(Written::Distance(distance)) => {
+            return checks.size("camera.focus", distance).map(Focus::Distance);
+        }
+        Some(Written::Point(point)) => checks.position("camera.focus", point)?,
         None => at,
     };
     let distance = (point - from).dot(gaze);
     if distance >= super::checks::SMALLEST {
-        return Ok(distance);
+        return Ok(Focus::Distance(distance));
     }
     Err(checks.bad("camera.focus", "the point must lie before the camera"))
 }

@@ -11,7 +11,7 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
 };
 use snowgrain_render::description::{
-    IceDescription, Lens, LightDescription, ObjectShape, Projection, SceneDescription,
+    Focus, IceDescription, Lens, LightDescription, ObjectShape, Projection, SceneDescription,
     SnowDescription,
 };
 use std::path::Path;
@@ -288,9 +288,10 @@ fn lenses_and_parallel_rays_are_what_the_manual_says() {
         other => panic!("{other:?}"),
     };
     let round = lens(&["camera.aperture=2mm"]);
-    let focus_distance = round.focus_distance;
-    assert!((focus_distance - 10f64.sqrt()).abs() < 1e-15);
-    let expected = Lens { diameter: 0.002, focus_distance, blades: 0, blade_rotation_degrees: 0.0 };
+    let Focus::Distance(distance) = round.focus else { panic!("{round:?}") };
+    assert!((distance - 10f64.sqrt()).abs() < 1e-15);
+    let focus = Focus::Distance(distance);
+    let expected = Lens { diameter: 0.002, focus, blades: 0, blade_rotation_degrees: 0.0 };
     assert_eq!(round, expected);
     let bladed = [
         "camera.aperture=2mm",
@@ -298,12 +299,18 @@ fn lenses_and_parallel_rays_are_what_the_manual_says() {
         "camera.blades=7",
         "camera.blade_rotation=-12.5",
     ];
-    let expected =
-        Lens { diameter: 0.002, focus_distance: 0.3, blades: 7, blade_rotation_degrees: -12.5 };
+    let expected = Lens {
+        diameter: 0.002,
+        focus: Focus::Distance(0.3),
+        blades: 7,
+        blade_rotation_degrees: -12.5,
+    };
     assert_eq!(lens(&bladed), expected);
     // Half way: the plane through a point, wherever in it the point lies.
     let beside = lens(&["camera.aperture=2mm", "camera.focus=[5, 0.5, 1.5]"]);
-    assert!((beside.focus_distance - 10f64.sqrt() / 2.0).abs() < 1e-12);
+    assert!(matches!(beside.focus, Focus::Distance(distance)
+        if (distance - 10f64.sqrt() / 2.0).abs() < 1e-12));
+    assert_eq!(lens(&["camera.aperture=2mm", "camera.focus=surface"]).focus, Focus::Surface);
     // 53.13 degrees: the sensor is as high as the lens is long.
     let normal = ["camera.vertical_fov=53.13010235415598", "camera.f_number=2.4"];
     assert!((lens(&normal).diameter - 0.01).abs() < 1e-15);
