@@ -250,6 +250,20 @@ fn materials_cameras_and_lights_are_read() {
     assert_eq!((candela, inner_radians, outer_radians), (1.0, 0.0, 0.5));
 }
 
+/// A JPEG image of one pixel of grey: steps of 1 in all frequencies, one code of one bit each for "the
+/// same brightness" and "no more frequencies", and these two as its data.
+fn grey_jpeg() -> Vec<u8> {
+    let mut bytes = vec![0xff, 0xd8, 0xff, 0xdb, 0, 67, 0];
+    bytes.extend([1; 64]);
+    bytes.extend([0xff, 0xc0, 0, 11, 8, 0, 1, 0, 1, 1, 1, 0x11, 0]);
+    for table in [0x00, 0x10] {
+        bytes.extend([0xff, 0xc4, 0, 20, table, 1]);
+        bytes.extend([0; 16]);
+    }
+    bytes.extend([0xff, 0xda, 0, 8, 1, 1, 0, 0, 63, 0, 0x3f, 0xff, 0xd9]);
+    bytes
+}
+
 /// Half of the pixels white, half black: the mean is half the light, whatever the encoding.
 #[test]
 fn textures_give_their_mean_colour() {
@@ -260,6 +274,12 @@ fn textures_give_their_mean_colour() {
     image::ImageEncoder::write_image(encoder, &pixels, 2, 2, colour).unwrap();
     assert_eq!(texture::mean_colour(&png), Some([0.5; 3]));
     assert_eq!(texture::mean_colour(b"GIF89a"), None);
+    let mut huge = grey_jpeg();
+    huge[76..80].copy_from_slice(&[0x3f, 0xff, 0x3f, 0xff]);
+    assert_eq!(texture::mean_colour(&huge), None, "it cannot hold so many pixels");
+    // Grey 128 of 255: linear .21586.
+    let grey = texture::mean_colour(&grey_jpeg()).unwrap();
+    assert!(grey.iter().all(|value| (value - 0.215_86).abs() < 1e-5), "{grey:?}");
     assert_eq!(texture::mean_colour(&png[..40]), None);
 
     let textured = |bytes: &[u8]| {
@@ -383,6 +403,18 @@ proptest! {
             bytes[at] = *value;
         }
         let _ = import(&bytes, Path::new("nowhere"));
+    }
+
+    #[test]
+    fn damaged_images_have_a_mean_or_none(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = grey_jpeg();
+        for (at, value) in &changes {
+            let at = at.index(bytes.len());
+            bytes[at] = *value;
+        }
+        let _ = texture::mean_colour(&bytes);
     }
 
     #[test]
