@@ -92,7 +92,7 @@ impl<'a> Elements<'a> {
                 .checked_mul(stride)
                 .and_then(|length| length.checked_add(offset)?.checked_add(size)),
         };
-        if !end.is_some_and(|end| end <= bytes.len() as u64) {
+        if end.is_none_or(|end| end > bytes.len() as u64) {
             let what = format!(
                 "{owner} claims {count} elements, more than its bufferView of {} bytes holds",
                 bytes.len()

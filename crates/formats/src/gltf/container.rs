@@ -56,6 +56,9 @@ impl Container {
     }
 }
 
+/// The kind and the content of a chunk.
+type Chunk<'a> = (&'a [u8], &'a [u8]);
+
 /// The JSON and the binary chunk of a `.glb`.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     let word = |bytes: &[u8], at: usize| {
@@ -69,7 +72,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     }
     let length = word(bytes, 8)? as usize;
     let mut rest = bytes.get(12..length).ok_or_else(Fault::truncated)?;
-    let mut next = || -> Result<Option<(&[u8], &[u8])>, Fault> {
+    let mut next = || -> Result<Option<Chunk<'_>>, Fault> {
         if rest.is_empty() {
             return Ok(None);
         }

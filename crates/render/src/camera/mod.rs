@@ -56,8 +56,8 @@ pub enum Bundle {
 
 impl Camera {
     /// The camera of a description that has been checked (`from != at`, `up` not along the view,
-    /// lengths above 0). What is focused on a surface is focused on `at` first
-    /// ([`Self::focused_on_surface`]).
+    /// lengths above 0). A lens that finds its focus is focused on `at`: only a built scene knows what
+    /// it sees.
     #[must_use]
     pub fn new(camera: &CameraDescription, film: &FilmDescription) -> Self {
         let forward = (camera.at - camera.from).normalize();
@@ -154,7 +154,7 @@ impl Camera {
         let offset = self.lens_offset(lens);
         let from_lens = point - self.origin - offset;
         let depth = from_lens.dot(self.forward);
-        if !(depth > 0.0) {
+        if depth <= 0.0 || depth.is_nan() {
             return None;
         }
         let in_image = match &self.rays {
