@@ -23,7 +23,7 @@ pub enum View {
     /// Straight from above; north (-z) is up.
     Top,
     /// A macro view of the snow on the highest surface, with a shallow depth of field: the picture is
-    /// 48 grains high.
+    /// 60 grains high.
     Close,
 }
 
@@ -34,10 +34,11 @@ const FOV_DEGREES: f64 = 28.0;
 const CLOSE_FOV_DEGREES: f64 = 12.0;
 
 /// Mean diameters of grains that fit into the height of a close look.
-const CLOSE_GRAINS: f64 = 48.0;
+const CLOSE_GRAINS: f64 = 60.0;
 
-/// Elevation of a close look, degrees above the horizon.
-const CLOSE_ELEVATION_DEGREES: f64 = 38.0;
+/// Elevation of a close look, degrees above the horizon: low, so that grains stand out against what lies
+/// behind.
+const CLOSE_ELEVATION_DEGREES: f64 = 14.0;
 
 /// Diameter of the lens of a close look, in distances to what it shows: at half a picture height before
 /// and behind the focus, points spread over 1/20 of the height.
