@@ -13,9 +13,11 @@
 //! | grains (PLY) | [`read_grains`] | [`write_grains`] |
 //! | film | [`read_film`] | [`write_film`] |
 //! | layers of snow (TOML) | [`laboratory::read_layers`] | |
+//! | map of all directions (HDR, EXR) | [`load_environment`] | |
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
+mod environment;
 mod error;
 mod film_file;
 mod gltf;
@@ -27,6 +29,7 @@ mod mesh;
 mod ply;
 pub mod scene;
 
+pub use environment::load_environment;
 pub use error::{FormatsError, Place};
 pub use film_file::{read_film, write_film};
 pub use gltf::{

@@ -2,11 +2,12 @@
 //! defaults filled in. [`crate::Scene::build`] turns it into what light can travel through.
 
 use crate::Strata;
+pub use crate::light::{LightDescription, LightKind};
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
 use snowgrain_math::{DAffine3, DVec3};
-use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
+use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::sync::Arc;
 
 /// Everything that decides a picture. Metres, radians only where named, y up.
@@ -28,6 +29,8 @@ pub struct SceneDescription {
     pub strata: Strata,
     /// How light is traced.
     pub integrator: IntegratorKind,
+    /// How lights are found.
+    pub light_finding: LightFinding,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
 }
@@ -185,49 +188,6 @@ impl IceDescription {
     }
 }
 
-/// The closed set of lights.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightDescription {
-    /// The paper's diffuse hemisphere above y = 0 at infinity.
-    Sky {
-        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
-        radiance: [f32; 3],
-        /// Spectrum.
-        spectrum: Illuminant,
-        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
-        visible_to_camera: bool,
-    },
-    /// The whole sphere at infinity.
-    Uniform {
-        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
-        radiance: [f32; 3],
-        /// Spectrum.
-        spectrum: Illuminant,
-        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
-        visible_to_camera: bool,
-    },
-}
-
-impl LightDescription {
-    /// Its spectrum.
-    #[must_use]
-    pub fn spectrum(&self) -> Illuminant {
-        match *self {
-            Self::Sky { spectrum, .. } | Self::Uniform { spectrum, .. } => spectrum,
-        }
-    }
-
-    /// Whether a camera ray that meets nothing sees it.
-    #[must_use]
-    pub fn visible_to_camera(&self) -> bool {
-        match *self {
-            Self::Sky { visible_to_camera, .. } | Self::Uniform { visible_to_camera, .. } => {
-                visible_to_camera
-            }
-        }
-    }
-}
-
 /// A solid diffuse object.
 #[derive(Clone, Debug)]
 pub struct ObjectDescription {
@@ -270,7 +230,19 @@ pub enum SnowDescription {
 /// The closed set of integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum IntegratorKind {
-    /// Exact: every grain is met, light is found by escape only.
+    /// Every grain is met.
     #[default]
     Grains,
+}
+
+/// How light is found by paths among grains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum LightFinding {
+    /// Exact: where a path escapes or meets it, and nowhere else.
+    #[default]
+    Exact,
+    /// All lights but skies are looked for at every grain and surface ([`crate::transport::seek`]).
+    Sampled,
+    /// All lights are looked for.
+    AllSampled,
 }

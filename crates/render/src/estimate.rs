@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::description::{
     ObjectDescription, ObjectShape, Packing, SceneDescription, SnowDescription,
 };
-use crate::light::Environment;
+use crate::light::slots_of;
 use core::f64::consts::PI;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
@@ -120,8 +120,8 @@ impl CostEstimate {
         if !description.film.keep_ice_paths {
             return 0;
         }
-        let environment = Environment::new(&description.lights, description.camera.backdrop);
-        IcePathLayout::for_radiance(environment.spectra().len() as u32, 1.0).bytes()
+        let slots = slots_of(&description.lights, description.camera.backdrop);
+        IcePathLayout::for_radiance(slots.len() as u32, 1.0).bytes()
     }
 
     /// The memory of so many grains that fall and are packed, whatever lies around them.
@@ -321,12 +321,12 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-        Projection,
+        LightFinding, LightKind, Projection,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
     use snowgrain_math::DAffine3;
-    use snowgrain_optics::{Illuminant, Impurity, ImpurityKind, Load};
+    use snowgrain_optics::{Impurity, ImpurityKind, Load};
 
     const CROP: PixelRect = PixelRect::new(0, 0, 64, 48);
 
@@ -341,15 +341,12 @@ mod tests {
                 backdrop: [0.0; 3],
             },
             ice: IceDescription::clear(1.31),
-            lights: vec![LightDescription::Sky {
-                radiance: [1.0; 3],
-                spectrum: Illuminant::D65,
-                visible_to_camera: true,
-            }],
+            lights: vec![LightDescription::new(LightKind::Sky, [1.0; 3])],
             objects,
             snow,
             strata: Strata::default(),
             integrator: IntegratorKind::Grains,
+            light_finding: LightFinding::Exact,
             packing: None,
         }
     }

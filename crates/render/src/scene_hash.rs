@@ -2,7 +2,8 @@
 
 use crate::Strata;
 use crate::description::{
-    Focus, IceDescription, LightDescription, ObjectShape, Packing, Projection, SceneDescription,
+    Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
+    Projection, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -77,15 +78,11 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.floats(&scene.camera.backdrop);
     hash.tag("ice");
     hash_ice(&mut hash, &scene.ice);
-    for light in &scene.lights {
-        let (tag, radiance) = match light {
-            LightDescription::Sky { radiance, .. } => ("sky", radiance),
-            LightDescription::Uniform { radiance, .. } => ("uniform", radiance),
-        };
-        hash.tag(tag);
-        hash.floats(radiance);
-        hash.tag(light.spectrum().name());
-        hash.words(&[u32::from(light.visible_to_camera())]);
+    scene.lights.iter().for_each(|light| hash_light(&mut hash, light));
+    match scene.light_finding {
+        LightFinding::Exact => {}
+        LightFinding::Sampled => hash.tag("sampled"),
+        LightFinding::AllSampled => hash.tag("all sampled"),
     }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();
@@ -126,6 +123,54 @@ fn hash_projection(hash: &mut Hash, projection: &Projection) {
             hash.tag("orthographic");
             hash.doubles(&[*height]);
         }
+    }
+}
+
+fn hash_light(hash: &mut Hash, light: &LightDescription) {
+    hash.tag(match light.kind {
+        LightKind::Sky => "sky",
+        LightKind::Uniform => "uniform",
+        LightKind::Overcast => "overcast",
+        LightKind::ClearSky { .. } => "clear-sky",
+        LightKind::Sun { .. } => "sun",
+        LightKind::Environment { .. } => "environment",
+        LightKind::Sphere { .. } => "sphere-light",
+        LightKind::Quad { .. } => "quad-light",
+        LightKind::Object { .. } => "object-light",
+        LightKind::Point { .. } => "point-light",
+        LightKind::Spot { .. } => "spot-light",
+    });
+    match &light.kind {
+        LightKind::Sky | LightKind::Uniform | LightKind::Overcast => {}
+        LightKind::ClearSky { sun } => hash.doubles(&sun.to_array()),
+        LightKind::Sun { direction, diameter_degrees } => {
+            hash.doubles(&direction.to_array());
+            hash.doubles(&[*diameter_degrees]);
+        }
+        LightKind::Environment { map, rotation_degrees } => {
+            hash.words(&[map.width() as u32, map.height() as u32]);
+            map.pixels().iter().for_each(|pixel| hash.floats(pixel));
+            hash.doubles(&[*rotation_degrees]);
+        }
+        LightKind::Sphere { center, radius } => {
+            hash.doubles(&center.to_array());
+            hash.doubles(&[*radius]);
+        }
+        LightKind::Quad { corner, edges: [u, v] } => {
+            [corner, u, v].iter().for_each(|vector| hash.doubles(&vector.to_array()));
+        }
+        LightKind::Object { object } => hash.words(&[*object as u32]),
+        LightKind::Point { position } => hash.doubles(&position.to_array()),
+        LightKind::Spot { position, direction, inner_degrees, outer_degrees } => {
+            [position, direction].iter().for_each(|vector| hash.doubles(&vector.to_array()));
+            hash.doubles(&[*inner_degrees, *outer_degrees]);
+        }
+    }
+    hash.floats(&light.strength);
+    hash.tag(&light.spectrum.name());
+    hash.words(&[u32::from(light.visible_to_camera)]);
+    if light.group != light.kind.default_group() {
+        hash.tag(&light.group);
     }
 }
 

@@ -13,7 +13,8 @@ use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    ObjectDescription, ObjectShape, Projection, SceneDescription, SnowDescription,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use snowgrain_render::measure::{Incidence, SlabSettings, measure_slab};
 
@@ -49,15 +50,15 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
             backdrop: [0.0; 3],
         },
         ice: IceDescription { absorption: Absorption::default(), ..IceDescription::clear(1.31) },
-        lights: vec![LightDescription::Sky {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
+        lights: vec![LightDescription {
             visible_to_camera: false,
+            ..LightDescription::new(LightKind::Sky, [1.0; 3])
         }],
         objects: objects.into_iter().collect(),
         snow: vec![SnowDescription::Lattice(settings)],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }
@@ -77,10 +78,10 @@ fn load(kind: ImpurityKind, load: Load) -> Impurity {
 fn a_film_that_is_graded_anew_is_a_fresh_render() {
     let mut description = layer([60, 30, 60], Some(RED), 12);
     description.film.keep_ice_paths = true;
-    description.lights.push(LightDescription::Uniform {
-        radiance: [0.3, 0.2, 0.1],
+    description.lights.push(LightDescription {
         spectrum: Illuminant::A,
         visible_to_camera: false,
+        ..LightDescription::new(LightKind::Uniform, [0.3, 0.2, 0.1])
     });
     let spp = samples(64, 512);
     let film = rendered(&description, spp);

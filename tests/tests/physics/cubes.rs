@@ -5,12 +5,11 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Layer, Picture, PixelRect};
 use snowgrain_grains::{LatticeKind, LatticeSettings};
 use snowgrain_math::{Aabb, DVec3};
-use snowgrain_optics::Illuminant;
 use snowgrain_render::Strata;
 use snowgrain_render::camera::Camera;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    Projection, SceneDescription, SnowDescription,
+    LightFinding, LightKind, Projection, SceneDescription, SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, measure_body};
 use snowgrain_render::{RenderControl, RenderSettings, Rendered, Scene, render};
@@ -32,11 +31,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(crate::ETA),
-        lights: vec![LightDescription::Sky {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
-            visible_to_camera: true,
-        }],
+        lights: vec![LightDescription::new(LightKind::Sky, [1.0; 3])],
         objects: Vec::new(),
         snow: vec![SnowDescription::Lattice(LatticeSettings {
             kind: LatticeKind::Sc,
@@ -47,6 +42,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
         })],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }

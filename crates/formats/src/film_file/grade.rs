@@ -52,10 +52,7 @@ pub(super) fn from_toml(bytes: &[u8]) -> Result<Grade, String> {
         toml::from_str(text).map_err(|error| format!("its grade: {}", error.message()))?;
     let unknown = |name: &str| format!("its grade names {name}, which is not known");
     let primaries = Primaries::ALL.into_iter().find(|known| known.name() == table.primaries);
-    let light = |name: &String| {
-        let light = Illuminant::ALL.into_iter().find(|known| known.name() == name);
-        light.ok_or_else(|| unknown(name))
-    };
+    let light = |name: &String| Illuminant::from_name(name).ok_or_else(|| unknown(name));
     let impurity = |(name, &amount): (&String, &f64)| {
         let kind = impurity_kind(name)?;
         let load = if kind.is_counted() {

@@ -26,7 +26,7 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// First bytes of an EXR file.
-pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+pub(crate) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
 const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
 const EXPOSURE: &str = "exposureStops";
@@ -195,6 +195,64 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
     picture.exposure_stops = exposure(&part.attributes);
     picture.provenance = provenance(&part.attributes);
     Ok(picture)
+}
+
+/// The colours of the first part that is not deep and has R, G and B of the primaries of sRGB: pixels
+/// across and down, and linear sRGB from the top. `check_size` is asked before memory is taken.
+pub(crate) fn decode_colours(
+    bytes: &[u8],
+    check_size: &dyn Fn(usize, usize) -> Result<(), Fault>,
+) -> Result<(usize, usize, Vec<[f32; 3]>), Fault> {
+    let fault = |error: exr::error::Error| {
+        Fault::whole(format!("not a valid EXR file: {error}"), "make the picture again")
+    };
+    let headers = MetaData::read_from_buffered(bytes, false).map_err(fault)?.headers;
+    let Some(index) = headers.iter().position(|header| missing(header).is_none()) else {
+        let missing = |(index, header): (usize, &Header)| {
+            missing(header).map(|missing| format!("part {index} {missing}"))
+        };
+        let missing: Vec<_> = headers.iter().enumerate().filter_map(missing).collect();
+        let mend = "write its colours as channels R, G and B of a part of flat pixels";
+        return Err(Fault::whole(missing.join(", "), mend));
+    };
+    let size = headers[index].layer_size;
+    check_size(size.width(), size.height())?;
+    headers.iter().try_for_each(|header| check_header(header, bytes.len()))?;
+    if primaries(headers[index].shared_attributes.chromaticities)? != Primaries::Srgb {
+        return Err(Fault::whole("its primaries are not those of sRGB", "convert it to sRGB"));
+    }
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(fault)?;
+    // Deep parts are left out by the reader.
+    let flat = headers[..index].iter().filter(|header| !header.deep).count();
+    let channels = image.layer_data.get(flat).map(|part| &part.channel_data.list);
+    let values = |name: &str| {
+        let mut of_name = channels.into_iter().flatten().filter(|channel| channel.name == *name);
+        of_name.next().map(|channel| channel.sample_data.values_as_f32())
+    };
+    let (Some(red), Some(green), Some(blue)) = (values("R"), values("G"), values("B")) else {
+        return Err(Fault::whole("its colours cannot be found", "make the picture again"));
+    };
+    let pixels = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]);
+    Ok((size.width(), size.height(), pixels.collect()))
+}
+
+/// What a part lacks to be a picture in colours.
+fn missing(header: &Header) -> Option<String> {
+    if header.deep {
+        return Some("is deep".into());
+    }
+    let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
+    let has = |wanted: &str| names.iter().any(|name| name == wanted);
+    let colours = has("R") && has("G") && has("B");
+    (!colours).then(|| format!("has the channels {}, not R, G and B", names.join(", ")))
 }
 
 /// Refuses claims that the file cannot hold: pixels, and chunks of at least a table entry (8

@@ -12,6 +12,7 @@ use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_render::description::SceneDescription;
+use snowgrain_render::light::EnvironmentMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -69,12 +70,21 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
         _ => Err(LoadError::from("no such file")),
     };
     let read_grains = |_: &Path| Err::<GrainField, _>(LoadError::from("a header without end"));
-    let mut read_import = |path: &Path| match path.to_str() {
+    let read_environment = |path: &Path| match path.to_str() {
+        Some("folder/sky.hdr") => Ok(EnvironmentMap::new(2, 1, vec![[1.0; 3]; 2])?),
+        _ => Err(LoadError::from("no such file")),
+    };
+    let read_import = |path: &Path| match path.to_str() {
         Some("folder/shot.glb") => Ok(shot()),
         _ => Err(LoadError::from("no such file")),
     };
-    let import = &mut read_import;
-    resolve(file, Loader { mesh: &mut { read_mesh }, grains: &mut { read_grains }, import })
+    let loader = Loader {
+        mesh: &mut { read_mesh },
+        grains: &mut { read_grains },
+        environment: &mut { read_environment },
+        import: &mut { read_import },
+    };
+    resolve(file, loader)
 }
 
 /// Reads `text` as the file `folder/scene.toml`, with overrides.

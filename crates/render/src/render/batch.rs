@@ -2,7 +2,8 @@
 
 use crate::Scene;
 use crate::statistics::Statistics;
-use crate::transport::{PathEnd, PathResult};
+use crate::transport::{Contribution, PathEnd, PathResult};
+use snowgrain_accel::STRATA;
 use snowgrain_film::Sample;
 
 /// Samples of one tile that wait to be added to it.
@@ -14,8 +15,10 @@ pub(super) struct Batch {
     pub(super) statistics: Statistics,
     /// Where ice paths are kept, those that brought light: pixel and length in ice, metres.
     lengths: Vec<((u32, u32), f64)>,
-    /// Of each of them the light of each spectrum, before the ice.
+    /// Of each of them the light of each slot, before the ice.
     weights: Vec<[f32; 3]>,
+    /// Of the path at hand the light of each slot.
+    lights: Vec<[f32; 3]>,
 }
 
 impl Batch {
@@ -25,20 +28,35 @@ impl Batch {
         scene: &Scene,
         pixel: (u32, u32),
         path: &PathResult,
+        found: &[Contribution],
     ) -> [f32; 3] {
-        let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
-        let (lights, length) = match path.first_hit {
-            None => (scene.environment.seen_by_camera(ray.direction), 0.0),
-            Some(_) => (scene.environment.radiances(ray.direction), path.ice_length),
+        if scene.search.is_some() && path.first_hit.is_some() {
+            return self.add_found(scene, pixel, found);
+        }
+        self.lights.clear();
+        self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
+        let length = match (path.end, path.first_hit) {
+            (PathEnd::Escaped(ray), None) => {
+                scene.lights.add_seen_by_camera(ray.direction, &mut self.lights);
+                0.0
+            }
+            (PathEnd::Escaped(ray), Some(_)) => {
+                scene.lights.add_radiances(ray.direction, &mut self.lights);
+                path.ice_length
+            }
+            (PathEnd::Emitted { light, .. }, _) => {
+                scene.lights.add_emission(light, &mut self.lights);
+                path.ice_length
+            }
+            (PathEnd::Absorbed | PathEnd::Enclosed, _) => return [0.0; 3],
         };
         let mut radiance = [0.0; 3];
-        let in_strata = path.ice_in_strata.iter().any(|&length| length > 0.0);
-        for (slot, (light, colour)) in lights.iter().zip(&scene.colours).enumerate() {
+        for (slot, light) in self.lights.iter().enumerate() {
+            if *light == [0.0; 3] && !scene.film.keep_ice_paths {
+                continue;
+            }
             let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
-            let seen = match scene.strata_colours.get(slot) {
-                Some(strata) if in_strata => strata.apply(weight, length, &path.ice_in_strata),
-                _ => colour.apply(weight, length),
-            };
+            let seen = colour_of(scene, slot, weight, length, &path.ice_in_strata);
             radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
             if scene.film.keep_ice_paths {
                 self.weights.push(weight);
@@ -50,7 +68,23 @@ impl Batch {
         radiance
     }
 
-    /// The ice paths that are kept: pixel, length in ice (metres), light of each spectrum before the ice.
+    /// The radiance of all light that was found along a path.
+    fn add_found(&mut self, scene: &Scene, pixel: (u32, u32), found: &[Contribution]) -> [f32; 3] {
+        let mut radiance = [0.0; 3];
+        for &Contribution { slot, weight, ice_length, ref ice_in_strata, .. } in found {
+            let seen = colour_of(scene, slot, weight, ice_length, ice_in_strata);
+            radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            if scene.film.keep_ice_paths {
+                let slots = scene.lights.slots().len();
+                let weights = (0..slots).map(|other| if other == slot { weight } else { [0.0; 3] });
+                self.weights.extend(weights);
+                self.lengths.push((pixel, ice_length));
+            }
+        }
+        radiance
+    }
+
+    /// The ice paths that are kept: pixel, length in ice (metres), light of each slot before the ice.
     pub(super) fn ice_paths(&self) -> impl Iterator<Item = ((u32, u32), f64, &[[f32; 3]])> {
         let spectra = self.weights.len() / self.lengths.len().max(1);
         let weights = self.weights.chunks_exact(spectra.max(1));
@@ -63,5 +97,21 @@ impl Batch {
         self.lengths.clear();
         self.weights.clear();
         self.statistics = Statistics::default();
+    }
+}
+
+/// The colour of light of a slot after its length in ice.
+fn colour_of(
+    scene: &Scene,
+    slot: usize,
+    weight: [f32; 3],
+    length: f64,
+    in_strata: &[f64; STRATA],
+) -> [f32; 3] {
+    match scene.strata_colours.get(slot) {
+        Some(strata) if in_strata.iter().any(|&length| length > 0.0) => {
+            strata.apply(weight, length, in_strata)
+        }
+        _ => scene.colours[slot].apply(weight, length),
     }
 }

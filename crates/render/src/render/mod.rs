@@ -13,7 +13,8 @@ mod stream;
 mod tile_sums;
 
 use crate::statistics::Statistics;
-use crate::transport::trace;
+use crate::transport::seek::Seeker;
+use crate::transport::{trace, trace_seeking};
 use crate::{RenderError, Scene};
 use passes::Passes;
 use snowgrain_accel::SimdLevel;
@@ -109,8 +110,8 @@ pub fn render_with<T>(
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
     film.grade = scene.grade.clone();
     if scene.film.keep_ice_paths {
-        let lights = scene.environment.spectra().len() as u32;
-        let greatest = scene.environment.greatest_radiance();
+        let lights = scene.lights.slots().len() as u32;
+        let greatest = scene.lights.greatest_radiance();
         film = film.keeping_ice_paths(IcePathLayout::for_radiance(lights, greatest))?;
     }
     let rendering = Rendering::new(scene, settings, &mut film);
@@ -155,7 +156,15 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            trace(&self.scene.world, self.settings.level, &mut stream);
+            let Scene { world, camera, search, .. } = self.scene;
+            let level = self.settings.level;
+            match search {
+                None => trace(world, level, &mut stream),
+                Some(search) => {
+                    let seeker = Seeker::new(world, camera, search, level);
+                    trace_seeking(world, level, seeker, &mut stream);
+                }
+            }
             stream.flush();
         });
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();

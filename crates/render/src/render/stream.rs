@@ -8,7 +8,8 @@ use super::batch::Batch;
 use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
-use crate::transport::{NewPath, PathEnd, PathResult, PathSource};
+use crate::transport::seek::View;
+use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource};
 use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
 use snowgrain_math::sampler::{PathKey, numbers};
@@ -71,6 +72,9 @@ pub(super) struct Tag {
     slot: u32,
     x: u32,
     y: u32,
+    /// Place in the image, pixels, and on the lens.
+    image: [f64; 2],
+    lens: [f64; 2],
 }
 
 impl PathSource for Stream<'_, '_> {
@@ -83,14 +87,24 @@ impl PathSource for Stream<'_, '_> {
         self.ready.pop()
     }
 
-    fn finish(&mut self, Tag { slot, x, y }: Tag, path: &PathResult) {
+    fn view(&self, tag: Tag) -> Option<View> {
+        let (image, lens) = (tag.image, tag.lens);
+        Some(View { bundle: self.rendering.scene.camera.bundle(lens), lens, image })
+    }
+
+    fn finish(&mut self, tag: Tag, path: &PathResult) {
+        self.finish_with_light(tag, path, &[]);
+    }
+
+    fn finish_with_light(&mut self, tag: Tag, path: &PathResult, found: &[Contribution]) {
+        let Tag { slot, x, y, .. } = tag;
         if path.end == PathEnd::Enclosed {
             self.rendering.fail(RenderError::Enclosed { x, y });
         }
         let scene = self.rendering.scene;
         let task = &mut self.open[slot as usize];
         task.batch.statistics.count(path);
-        let radiance = task.batch.add_light(scene, (x, y), path);
+        let radiance = task.batch.add_light(scene, (x, y), path, found);
         task.batch.samples.push(((x, y), sample_of(scene, path, radiance)));
         task.under_way -= 1;
         if task.batch.samples.len() == BATCH {
@@ -149,7 +163,8 @@ impl<'a, 'film> Stream<'a, 'film> {
             if may_start_in_ice && scene.world.grid.is_inside_grain(ray.origin) {
                 rendering.fail(RenderError::CameraInIce { point: ray.origin });
             }
-            NewPath { tag: Tag { slot, x, y }, ray, key, event }
+            let tag = Tag { slot, x, y, image: [px, py], lens };
+            NewPath { tag, ray, key, event }
         }));
         true
     }

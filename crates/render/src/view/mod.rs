@@ -41,8 +41,8 @@ const CLOSE_GRAINS: f64 = 60.0;
 const CLOSE_ELEVATION_DEGREES: f64 = 14.0;
 
 /// Diameter of the lens of a close look, in distances to what it shows: at half a picture height before
-/// and behind the focus, points spread over 1/20 of the height.
-const CLOSE_LENS: f64 = 0.05;
+/// and behind the focus, points spread over 1/33 of the height.
+const CLOSE_LENS: f64 = 0.03;
 
 /// Columns and rows of the plan in which the surface of a close look is sought.
 const PROBES: u32 = 48;

@@ -4,13 +4,12 @@ use super::*;
 use crate::Strata;
 use crate::camera::Camera;
 use crate::description::{
-    FilmDescription, IceDescription, IntegratorKind, LightDescription, ObjectDescription,
-    ObjectShape,
+    FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
+    ObjectDescription, ObjectShape,
 };
 use crate::{Scene, transport::FirstHit};
 use snowgrain_grains::{DepositRule, DepositSettings, Radii};
 use snowgrain_math::DAffine3;
-use snowgrain_optics::Illuminant;
 
 /// A ball of 5 cm on a slab, under a centimetre of snow.
 fn scene(width: u32, height: u32) -> SceneDescription {
@@ -34,11 +33,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
             backdrop: [0.25; 3],
         },
         ice: IceDescription::clear(1.31),
-        lights: vec![LightDescription::Sky {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
-            visible_to_camera: true,
-        }],
+        lights: vec![LightDescription::new(LightKind::Sky, [1.0; 3])],
         objects: vec![object(ObjectShape::Sphere, ball), object(ObjectShape::Box, slab)],
         snow: vec![SnowDescription::Deposit(DepositSettings {
             amount: Amount::Depth(0.01),
@@ -52,6 +47,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         })],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }

@@ -432,3 +432,87 @@ fn overrides_that_fit_nowhere_are_refused() {
     );
     assert!(set("snow.0={source=\"deposit\", radus=1}").starts_with("--set snow.0={"));
 }
+
+#[test]
+fn lights_that_cannot_shine_are_refused() {
+    let light = |lines: &str| instead("kind = \"sky\"", lines);
+    for elevation in ["0", "-3", "90.5", "nan"] {
+        let message = light(&format!("kind = \"sun-sky\"\nelevation = {elevation}"));
+        let expected =
+            format!("folder/scene.toml:7: light.0.elevation = {elevation}: must be above 0");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+    for (lines, expected) in [
+        ("kind = \"sun\"", "light.0.elevation is missing: say how high the sun stands"),
+        (
+            "kind = \"sky\"\nelevation = 3",
+            "light.0.elevation = 3: not a key of kind = \"sky\" but of \"clear-sky\", \"sun\", \"sun-sky\"",
+        ),
+        ("kind = \"sun\"\nelevation = 3\nradiance = 1", "light.0.radiance = 1: not a key of kind"),
+        ("kind = \"sun\"\nelevation = 3\nangular_diameter = 0", "must be 0.001 to 90 degrees"),
+        ("kind = \"sun\"\nelevation = 3\nazimuth = inf", "light.0.azimuth = inf: must be finite"),
+        (
+            "kind = \"sun\"\nelevation = 3\nstrength = -1",
+            "light.0.strength = -1: must be finite and not",
+        ),
+        ("kind = \"sky\"\ngroup = \"\"", "light.0.group = \"\": must be a name"),
+        ("kind = \"environment\"", "light.0.file is missing: name the map, as file = \"sky.hdr\""),
+        (
+            "kind = \"environment\"\nfile = \"none.hdr\"",
+            "light.0.file = \"none.hdr\": no such file",
+        ),
+        ("kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = nan", "must be finite numbers"),
+        ("kind = \"sphere\"\ncenter = [0, 1, 0]", "light.0.radius is missing: say how large"),
+        (
+            "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 0",
+            "light.0.radius = 0: must be a finite length above 0",
+        ),
+        ("kind = \"sphere\"\nradius = 1", "light.0.center is missing: say where"),
+        (
+            "kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[1, 1, 0], [2, 2, 0]]",
+            "light.0.edges = [[1, 1, 0], [2, 2, 0]]: the edges are parallel or 0",
+        ),
+        ("kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[0, 0, 0], [1, 0, 0]]", "parallel or 0"),
+        (
+            "kind = \"point\"\nposition = [0, 1, 0]",
+            "light.0.kind = \"point\": no path meets a point",
+        ),
+        ("kind = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 0, 0]", "must not be zero"),
+        (
+            "kind = \"spot\"\nposition = [0, 1, 0]\ninner_angle = 40",
+            "light.0.outer_angle = (default): must be above inner_angle, 40",
+        ),
+        (
+            "kind = \"point\"\nvisible_to_camera = true",
+            "light.0.visible_to_camera = true: not a key of kind = \"point\"",
+        ),
+        ("kind = \"moon\"", "light.0.kind = \"moon\""),
+    ] {
+        let message = light(lines);
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn objects_that_cannot_shine_are_refused() {
+    let object = |lines: &str| instead("shape = \"sphere\"", lines);
+    for (lines, expected) in [
+        ("shape = \"plane\"\nemission = 1", "object.0.emission = 1: a plane has no end"),
+        (
+            "shape = \"box\"\nemission = 1\nalbedo = 0.5",
+            "object.0.albedo = 0.5: an object with emission is black",
+        ),
+        (
+            "shape = \"box\"\nemission = 1\ninstances = [{ albedo = 0.5 }]",
+            "object.0.instances.0.albedo = 0.5: an object with emission is black",
+        ),
+        ("shape = \"box\"\nemission = -1", "object.0.emission = -1: must be finite"),
+        (
+            "shape = \"box\"\nemission_group = \"a\"",
+            "object.0.emission_group = \"a\": the object has no emission",
+        ),
+    ] {
+        let message = object(lines);
+        assert!(message.contains(expected), "{message}");
+    }
+}
