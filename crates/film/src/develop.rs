@@ -34,7 +34,8 @@ pub fn linear_from_srgb(x: f64) -> f64 {
     if x <= 0.040_45 { x / 12.92 } else { trig::pow((x + 0.055) / 1.055, 2.4) }
 }
 
-/// 8 bits per channel; `exposure` in stops: the picture is multiplied by 2^exposure.
+/// 8 bits per channel; `exposure` in stops: the picture is multiplied by 2^exposure, beside its own
+/// exposure.
 ///
 /// # Errors
 /// A picture without colour.
@@ -42,7 +43,8 @@ pub fn to_8_bit(picture: &Picture, exposure: f64) -> Result<Developed<u8>, FilmE
     develop(picture, exposure, |x| (255.0 * x).round() as u8)
 }
 
-/// 16 bits per channel; `exposure` in stops: the picture is multiplied by 2^exposure.
+/// 16 bits per channel; `exposure` in stops: the picture is multiplied by 2^exposure, beside its own
+/// exposure.
 ///
 /// # Errors
 /// A picture without colour.
@@ -56,7 +58,7 @@ fn develop<T: Copy>(
     quantise: impl Fn(f64) -> T,
 ) -> Result<Developed<T>, FilmError> {
     let [red, green, blue] = picture.colour()?;
-    let gain = trig::pow(2.0, exposure);
+    let gain = trig::pow(2.0, picture.exposure_stops + exposure);
     let mut values = Vec::with_capacity(3 * red.len());
     let to_srgb = match picture.primaries {
         Primaries::Srgb => None,
@@ -109,6 +111,9 @@ mod tests {
     fn a_stop_doubles() {
         let stop = to_16_bit(&strip(&[0.1, 0.4]), 1.0).unwrap();
         assert_eq!(stop.values, to_16_bit(&strip(&[0.2, 0.8]), 0.0).unwrap().values);
+        let mut own = strip(&[0.1, 0.4]);
+        own.exposure_stops = 3.0;
+        assert_eq!(to_16_bit(&own, -2.0).unwrap(), stop, "its own exposure, and more");
     }
 
     #[test]

@@ -140,6 +140,8 @@ pub struct Picture {
     pub spectrum: Vec<SpectralLayer>,
     /// What the colour layers are amounts of (albedos are of sRGB always).
     pub primaries: Primaries,
+    /// Exposure at which it is meant to be shown, stops; the layers do not hold it.
+    pub exposure_stops: f64,
     /// Where it comes from, if known.
     pub provenance: Option<Provenance>,
 }
@@ -155,7 +157,16 @@ impl Picture {
         }
         let primaries = Primaries::default();
         let (layers, spectrum) = (Vec::new(), Vec::new());
-        Ok(Self { width, height, window, layers, spectrum, primaries, provenance: None })
+        Ok(Self {
+            width,
+            height,
+            window,
+            layers,
+            spectrum,
+            primaries,
+            exposure_stops: 0.0,
+            provenance: None,
+        })
     }
 
     /// All layers of a film.
@@ -179,6 +190,7 @@ impl Picture {
             picture.set_layer(layer, values)?;
         }
         picture.primaries = film.grade.primaries;
+        picture.exposure_stops = film.grade.exposure_stops;
         picture.provenance = Some(Provenance {
             scene_hash: film.identity().scene_hash,
             seed: film.identity().seed,

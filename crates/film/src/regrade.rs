@@ -53,6 +53,7 @@ impl Picture {
         }
         picture.remove_variance();
         picture.primaries = grade.primaries;
+        picture.exposure_stops = grade.exposure_stops;
         Ok(picture)
     }
 }

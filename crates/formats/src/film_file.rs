@@ -262,6 +262,7 @@ mod tests {
                 Impurity { kind: ImpurityKind::SnowAlgae, load: Load::CellsPerKilogram(1e7) },
             ],
             enhancement: 1.253_5,
+            exposure_stops: -14.75 * length,
         };
         let mut tile = FilmTile::keeping_ice_paths(crop, layout).unwrap();
         tile.add_ice_path(1, 0, length, &[[0.5, 0.25, -0.1], [40.0, 0.0, 3.0]]).unwrap();

@@ -8,7 +8,8 @@
 //! | content | read | write |
 //! |---|---|---|
 //! | scene (TOML) | [`scene`] | |
-//! | mesh (OBJ, PLY) | [`load_mesh`] | |
+//! | mesh (OBJ, PLY, glTF) | [`load_mesh`] | |
+//! | shot (glTF) | [`read_gltf`] | |
 //! | grains (PLY) | [`read_grains`] | [`write_grains`] |
 //! | film | [`read_film`] | [`write_film`] |
 //! | layers of snow (TOML) | [`laboratory::read_layers`] | |
@@ -19,6 +20,7 @@ pub mod atomic;
 mod environment;
 mod error;
 mod film_file;
+mod gltf;
 mod grains;
 pub mod image;
 mod input;
@@ -30,5 +32,9 @@ pub mod scene;
 pub use environment::load_environment;
 pub use error::{FormatsError, Place};
 pub use film_file::{read_film, write_film};
+pub use gltf::{
+    ImportedCamera, ImportedLight, ImportedLightKind, ImportedMaterial, ImportedObject,
+    ImportedProjection, ImportedScene, read_gltf,
+};
 pub use grains::{read_grains, write_grains};
 pub use mesh::{PlyContent, load_mesh, ply_content};

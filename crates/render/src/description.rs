@@ -51,6 +51,8 @@ pub struct FilmDescription {
     /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
     /// chosen after the render.
     pub keep_ice_paths: bool,
+    /// Exposure at which the picture is meant to be shown, stops; it changes no sums.
+    pub exposure_stops: f64,
 }
 
 impl FilmDescription {
@@ -58,7 +60,15 @@ impl FilmDescription {
     #[must_use]
     pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
         let primaries = Primaries::Srgb;
-        Self { width, height, samples_per_pixel, seed, primaries, keep_ice_paths: false }
+        Self {
+            width,
+            height,
+            samples_per_pixel,
+            seed,
+            primaries,
+            keep_ice_paths: false,
+            exposure_stops: 0.0,
+        }
     }
 }
 
@@ -100,6 +110,24 @@ impl Projection {
     pub fn pinhole(vertical_fov_degrees: f64) -> Self {
         Self::Perspective { vertical_fov_degrees, lens: None }
     }
+
+    /// Whether it is focused on what it sees.
+    #[must_use]
+    pub fn finds_focus(&self) -> bool {
+        match self {
+            Self::Perspective { lens: Some(lens), .. } => lens.focus == Focus::Surface,
+            Self::Perspective { lens: None, .. } | Self::Orthographic { .. } => false,
+        }
+    }
+}
+
+/// What a lens is focused on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Focus {
+    /// The plane at this distance along the view, metres, above 0.
+    Distance(f64),
+    /// What the middle of the picture shows, found once all snow lies.
+    Surface,
 }
 
 /// A thin lens.
@@ -107,8 +135,8 @@ impl Projection {
 pub struct Lens {
     /// Diameter of the entrance pupil, metres, above 0.
     pub diameter: f64,
-    /// Distance of the plane in focus along the view, metres, above 0.
-    pub focus_distance: f64,
+    /// What is sharp.
+    pub focus: Focus,
     /// Blades of the diaphragm: 0 (round), or at least 3 (a regular polygon with its corners on the
     /// circle of the diameter).
     pub blades: u32,

@@ -203,7 +203,7 @@ fn nominal_fraction(settings: &DepositSettings) -> f64 {
 }
 
 /// Number of grains of a snowfall and the box that they will fill, on what fills `below`.
-fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
+pub(crate) fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
     let margin = 2.0 * settings.radii.largest();
     let mut plan = if below.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { *below };
     match settings.area {
@@ -224,7 +224,7 @@ fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
     (grains, plan)
 }
 
-fn lattice_box(settings: &LatticeSettings) -> Aabb {
+pub(crate) fn lattice_box(settings: &LatticeSettings) -> Aabb {
     // Cells are at most two spacings wide; a loose box does, it only says what the camera sees.
     let spacing = settings.spacing.unwrap_or(2.0 * settings.radius);
     let cell = match settings.kind.grains_per_cell() {
@@ -235,7 +235,6 @@ fn lattice_box(settings: &LatticeSettings) -> Aabb {
     Aabb::new(DVec3::ZERO, DVec3::from_array(settings.counts.map(|n| f64::from(n) * cell)))
 }
 
-/// Whether the snow is one whole lattice clear of all objects, which takes no memory.
 /// Radius of the grains of some snow, metres: the largest, where they differ.
 fn radius_of(snow: &SnowDescription) -> f64 {
     match snow {
@@ -247,6 +246,7 @@ fn radius_of(snow: &SnowDescription) -> f64 {
     }
 }
 
+/// Whether the snow is one whole lattice clear of all objects, which takes no memory.
 fn implicit(description: &SceneDescription, objects: &Aabb) -> bool {
     let [SnowDescription::Lattice(settings)] = description.snow.as_slice() else { return false };
     let quantisation = Quantisation::for_grains(DVec3::ZERO, settings.radius);
@@ -279,7 +279,7 @@ fn triangles(object: &ObjectDescription) -> f64 {
 
 /// The box around a finite object, metres; empty for an infinite one. `meshes` holds the boxes of
 /// the meshes seen before, the teapot as none.
-fn bounds_of(
+pub(crate) fn bounds_of(
     object: &ObjectDescription,
     meshes: &mut HashMap<Option<*const TriangleMesh>, Aabb>,
 ) -> Aabb {

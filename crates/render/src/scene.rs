@@ -129,7 +129,10 @@ impl Scene {
             eta: description.ice.eta(),
         };
         let film = &description.film;
-        let camera = Camera::new(&description.camera, film);
+        let mut camera = Camera::new(&description.camera, film);
+        if description.camera.projection.finds_focus() {
+            camera = camera.focused_on_surface(&world, level);
+        }
         let sought = match description.light_finding {
             LightFinding::Exact => None,
             LightFinding::Sampled => Some(Sought::NotSkies),
@@ -177,6 +180,7 @@ fn grade(description: &SceneDescription, slots: &[LightSlot]) -> Grade {
         absorption: ice.absorption,
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
+        exposure_stops: description.film.exposure_stops,
     }
 }
 

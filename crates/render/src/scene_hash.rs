@@ -2,8 +2,8 @@
 
 use crate::Strata;
 use crate::description::{
-    IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing, Projection,
-    SceneDescription,
+    Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
+    Projection, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -111,7 +111,11 @@ fn hash_projection(hash: &mut Hash, projection: &Projection) {
             hash.doubles(&[*vertical_fov_degrees]);
             if let Some(lens) = lens {
                 hash.tag("lens");
-                hash.doubles(&[lens.diameter, lens.focus_distance, lens.blade_rotation_degrees]);
+                hash.doubles(&[lens.diameter, lens.blade_rotation_degrees]);
+                match lens.focus {
+                    Focus::Distance(distance) => hash.doubles(&[distance]),
+                    Focus::Surface => hash.tag("surface"),
+                }
                 hash.words(&[lens.blades]);
             }
         }

@@ -4,18 +4,21 @@ use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size
 use super::{Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_film::PixelRect;
+use snowgrain_render::View;
 use std::time::Duration;
 
 /// Renders a scene.
 ///
 /// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
-/// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
+/// mesh (.obj, .ply) or model (.gltf, .glb), for which camera, light, ground and snow are chosen; a shot
+/// (.gltf, .glb with a camera) keeps its camera and objects, and snow falls on them.
 #[derive(Debug, Args)]
 #[command(args_override_self = true)]
 #[command(after_help = "Examples:\n  \
     snowgrain render snowy-teapot -o teapot.png\n  \
     snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \
     snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
+    snowgrain render snowy-teapot --view close -o close.png\n  \
     snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
     snowgrain render scene.toml --dry-run\n\n\
     The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
@@ -43,6 +46,11 @@ pub(crate) struct RenderArguments {
     /// Renders only these pixels: columns x0 to x1 - 1, rows y0 to y1 - 1
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop)]
     pub(crate) crop: Option<PixelRect>,
+
+    /// Looks from another side than the scene's camera: front, three-quarter, top, or close (a macro view
+    /// of the snow, shallow in focus)
+    #[arg(long, value_name = "VIEW", value_parser = values::view)]
+    pub(crate) view: Option<View>,
 
     /// Brightness of PNG files in stops: +1 doubles it
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,

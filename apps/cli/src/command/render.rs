@@ -124,6 +124,12 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     for line in &loaded.assumptions {
         progress.note(line);
     }
+    if let Some(view) = arguments.view {
+        let nothing = "--view finds nothing finite to look at, or no snow to look at closely";
+        let camera = view.camera(&loaded.description);
+        loaded.description.camera =
+            camera.ok_or_else(|| Failure::bad_input(nothing).of(&loaded.name))?;
+    }
     if arguments.furnace {
         loaded.description = scene::furnace(loaded.description);
     }

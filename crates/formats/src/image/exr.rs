@@ -2,7 +2,7 @@
 //!
 //! One part, channels named as [`Layer::name`] says (the format demands alphabetical order in the
 //! file), ZIP compression, chromaticities of the primaries, and where known the attributes
-//! `samplesPerPixel`, `seed`, `sceneHash` and `software` (name and version).
+//! `samplesPerPixel`, `seed`, `sceneHash`, `exposureStops` and `software` (name and version).
 //!
 //! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
 //! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
@@ -29,6 +29,7 @@ use std::path::Path;
 pub(crate) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
 const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
+const EXPOSURE: &str = "exposureStops";
 const SEED: &str = "seed";
 const SCENE_HASH: &str = "sceneHash";
 
@@ -60,6 +61,10 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
     if let Some(provenance) = &picture.provenance {
         attributes.other.extend(described(provenance));
+    }
+    if picture.exposure_stops != 0.0 {
+        let stops = AttributeValue::F64(picture.exposure_stops);
+        attributes.other.insert(Text::from(EXPOSURE), stops);
     }
     if !picture.spectrum.is_empty() {
         let texts = [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1")];
@@ -187,6 +192,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
     }
     picture.spectrum.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
     picture.primaries = primaries(image.attributes.chromaticities)?;
+    picture.exposure_stops = exposure(&part.attributes);
     picture.provenance = provenance(&part.attributes);
     Ok(picture)
 }
@@ -286,6 +292,13 @@ fn empty_picture(
     }
 }
 
+fn exposure(attributes: &LayerAttributes) -> f64 {
+    match attributes.other.get(&Text::from(EXPOSURE)) {
+        Some(AttributeValue::F64(stops)) if stops.is_finite() => *stops,
+        _ => 0.0,
+    }
+}
+
 fn provenance(attributes: &LayerAttributes) -> Option<Provenance> {
     let attribute = |name: &str| attributes.other.get(&Text::from(name));
     let text = |name: &str| match attribute(name) {
@@ -326,6 +339,7 @@ mod tests {
             .map(|nm| SpectralLayer { wavelength_nm: nm, values: vec![nm as f32 * 1e-3; 400] })
             .to_vec();
         let hash = std::array::from_fn(|i| i as u8 * 7);
+        picture.exposure_stops = -15.25;
         picture.provenance =
             Some(Provenance { scene_hash: hash, seed: u64::MAX, samples_per_pixel: 64 });
         picture

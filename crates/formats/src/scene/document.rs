@@ -3,11 +3,12 @@
 //! The doc comments here are the manual of the format: the JSON Schema and the error messages quote
 //! them. [`super::resolve`] says what a document means.
 
+mod camera;
 mod light;
 
+pub use camera::{CameraKind, CameraTable, ImportTable};
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 
-use super::focus::Focus;
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -23,8 +24,12 @@ pub struct SceneDocument {
     /// The picture.
     #[serde(default)]
     pub film: FilmTable,
-    /// The camera.
-    pub camera: CameraTable,
+    /// A shot made elsewhere, of which objects and camera are taken over.
+    #[serde(default)]
+    pub import: Option<ImportTable>,
+    /// The camera; may be left out where `import` has one.
+    #[serde(default)]
+    pub camera: Option<CameraTable>,
     /// The ice that grains are made of.
     #[serde(default)]
     pub ice: IceTable,
@@ -95,78 +100,6 @@ impl Default for FilmTable {
     }
 }
 
-/// A camera: a pinhole, to which all is sharp, a thin lens, or parallel rays.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CameraTable {
-    /// "perspective" (rays spread from a pinhole, or from a lens where there is `aperture` or
-    /// `f_number`) or "orthographic" (parallel rays, which start in the plane through `from`: what
-    /// lies behind it is not seen); default "perspective".
-    #[serde(default)]
-    pub kind: CameraKind,
-    /// Where the camera is (the middle of its lens): [x, y, z], lengths.
-    pub from: [Length; 3],
-    /// The point in the middle of the picture: [x, y, z], lengths.
-    pub at: [Length; 3],
-    /// The direction that is up in the picture: [x, y, z]; default [0, 1, 0].
-    #[serde(default = "up")]
-    pub up: [f64; 3],
-    /// Vertical field of view in degrees, above 0 and below 180, that of a lens focused at infinity;
-    /// default 40; perspective.
-    #[serde(default)]
-    pub vertical_fov: Option<f64>,
-    /// How much of the world the picture is high: a length above 0; orthographic.
-    #[serde(default)]
-    pub height: Option<Length>,
-    /// Diameter of the lens (its entrance pupil): a length above 0, as "2 mm"; default none, a
-    /// pinhole; perspective (this or `f_number`).
-    #[serde(default)]
-    pub aperture: Option<Length>,
-    /// f-number of the lens, as 2.8: its diameter is its focal length, sensor_height / (2 tan
-    /// (vertical_fov / 2)), divided by this; above 0; default none, a pinhole; perspective (this or
-    /// `aperture`).
-    #[serde(default)]
-    pub f_number: Option<f64>,
-    /// Height of the sensor, for `f_number`: a length above 0; default "24 mm"; perspective.
-    #[serde(default)]
-    pub sensor_height: Option<Length>,
-    /// What is sharp: the plane at a distance along the view, as "30 cm", or through a point
-    /// [x, y, z]; default through `at`; perspective with a lens.
-    #[serde(default)]
-    pub focus: Option<Focus>,
-    /// Blades of the diaphragm: 0 (a round opening) or 3 to 64 (a regular polygon with its corners on
-    /// the circle of the diameter); default 0; perspective with a lens.
-    #[serde(default)]
-    pub blades: Option<u32>,
-    /// Rotation of the polygon of the blades in degrees, counter-clockwise as blur behind the focus
-    /// shows it; default 0, a corner up; perspective with blades.
-    #[serde(default)]
-    pub blade_rotation: Option<f64>,
-    /// What the camera sees behind everything, where no visible light is: radiance, one number or
-    /// [r, g, b], at least 0; default 0. It lights nothing.
-    #[serde(default = "black")]
-    pub backdrop: Triple,
-}
-
-/// Kinds of camera.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum CameraKind {
-    /// Rays spread from a point or a lens.
-    #[default]
-    Perspective,
-    /// Parallel rays.
-    Orthographic,
-}
-
-fn up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
-}
-
-fn black() -> Triple {
-    Triple([0.0; 3])
-}
-
 /// The ice, and what lies between its grains.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -222,7 +155,7 @@ pub struct ObjectTable {
     /// Name used in messages: a string; default the file's name or `object.N`.
     #[serde(default)]
     pub name: Option<String>,
-    /// Mesh file (.obj or .ply), relative to the scene file; only for shape = "mesh".
+    /// Mesh file (.obj, .ply, .gltf or .glb), relative to the scene file; only for shape = "mesh".
     #[serde(default)]
     pub file: Option<String>,
     /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.

@@ -7,13 +7,15 @@ use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;
 
-/// What is in focus: a plane at a distance along the view, or the plane through a point.
+/// What is in focus: a plane at a distance along the view, the plane through a point, or what is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focus {
     /// Distance along the view.
     Distance(Length),
     /// A point in the plane.
     Point([Length; 3]),
+    /// What the middle of the picture shows.
+    Surface,
 }
 
 impl<'de> Deserialize<'de> for Focus {
@@ -23,7 +25,7 @@ impl<'de> Deserialize<'de> for Focus {
             type Value = Focus;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a distance like \"30 cm\" or a point [x, y, z]")
+                f.write_str("a distance like \"30 cm\", a point [x, y, z] or \"surface\"")
             }
 
             fn visit_f64<E: Error>(self, metres: f64) -> Result<Focus, E> {
@@ -35,6 +37,9 @@ impl<'de> Deserialize<'de> for Focus {
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<Focus, E> {
+                if text == "surface" {
+                    return Ok(Focus::Surface);
+                }
                 Length::parse(text).map(Focus::Distance).map_err(E::custom)
             }
 
@@ -62,9 +67,10 @@ impl JsonSchema for Focus {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let length = generator.subschema_for::<Length>();
         json_schema!({
-            "description": "A distance, or a point [x, y, z].",
+            "description": "A distance, a point [x, y, z], or \"surface\".",
             "anyOf": [
                 length,
+                { "const": "surface" },
                 { "type": "array", "items": length, "minItems": 3, "maxItems": 3 }
             ]
         })

@@ -2,6 +2,7 @@
 
 mod camera;
 mod checks;
+mod import;
 mod lights;
 mod objects;
 mod snow;
@@ -11,6 +12,7 @@ use super::document::{
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
+use crate::gltf::ImportedScene;
 use crate::laboratory::{impurity_kind, parse_load};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
@@ -32,6 +34,9 @@ pub type ReadMesh<'a> = dyn FnMut(&Path) -> Result<TriangleMesh, LoadError> + 'a
 /// Reads a grain file.
 pub type ReadGrains<'a> = dyn FnMut(&Path) -> Result<GrainField, LoadError> + 'a;
 
+/// Reads a shot made elsewhere.
+pub type ReadImport<'a> = dyn FnMut(&Path) -> Result<ImportedScene, LoadError> + 'a;
+
 /// Reads a map of all directions.
 pub type ReadEnvironment<'a> = dyn FnMut(&Path) -> Result<EnvironmentMap, LoadError> + 'a;
 
@@ -41,6 +46,8 @@ pub struct Loader<'a> {
     pub mesh: &'a mut ReadMesh<'a>,
     /// Reads grains.
     pub grains: &'a mut ReadGrains<'a>,
+    /// Reads a shot.
+    pub import: &'a mut ReadImport<'a>,
     /// Reads a map.
     pub environment: &'a mut ReadEnvironment<'a>,
 }
@@ -60,6 +67,7 @@ pub struct Loader<'a> {
 ///     mesh: &mut { none },
 ///     grains: &mut |_| Err("nor here".into()),
 ///     environment: &mut |_| Err("nor here".into()),
+///     import: &mut |_| Err("nor here".into()),
 /// };
 /// let description = resolve(&file, loader)?;
 /// assert_eq!(description.film.width, 64);
@@ -67,12 +75,16 @@ pub struct Loader<'a> {
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains, environment } = loader;
+    let Loader { mesh, grains, environment, import } = loader;
     let film = film(&checks)?;
-    let camera = camera::camera(&checks)?;
+    let written_camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
     let mut lights = lights::lights(&checks, environment)?;
-    let (objects, lamps) = objects::objects(&checks, mesh)?;
+    let shot = import::import(&checks, import)?;
+    let no_camera =
+        || checks.missing("camera", "add [camera] with from = [0, 1, 3], at = [0, 0, 0]");
+    let camera = written_camera.or(shot.camera).ok_or_else(no_camera)?;
+    let (objects, lamps) = objects::objects(&checks, shot.objects, mesh)?;
     lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
@@ -131,6 +143,7 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
             PrimariesName::Acescg => Primaries::AcesCg,
         },
         keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
+        exposure_stops: camera::exposure_stops(checks)?,
     })
 }
 

@@ -5,10 +5,11 @@
 //! along one direction.
 
 mod aperture;
+mod autofocus;
 
 pub use aperture::Aperture;
 
-use crate::description::{CameraDescription, FilmDescription, Projection};
+use crate::description::{CameraDescription, FilmDescription, Focus, Projection};
 use snowgrain_math::{Aabb, DVec3, Ray, trig};
 
 /// A camera that looks along `forward`; image y runs down.
@@ -55,7 +56,8 @@ pub enum Bundle {
 
 impl Camera {
     /// The camera of a description that has been checked (`from != at`, `up` not along the view,
-    /// lengths above 0).
+    /// lengths above 0). A lens that finds its focus is focused on `at`: only a built scene knows what
+    /// it sees.
     #[must_use]
     pub fn new(camera: &CameraDescription, film: &FilmDescription) -> Self {
         let forward = (camera.at - camera.from).normalize();
@@ -70,7 +72,10 @@ impl Camera {
                     aperture: Aperture::new(lens.blades, lens.blade_rotation_degrees),
                     right: right * (lens.diameter * 0.5),
                     up: -down * (lens.diameter * 0.5),
-                    focus: lens.focus_distance,
+                    focus: match lens.focus {
+                        Focus::Distance(distance) => distance,
+                        Focus::Surface => (camera.at - camera.from).length(),
+                    },
                 });
                 (half_height, rays)
             }
@@ -149,7 +154,7 @@ impl Camera {
         let offset = self.lens_offset(lens);
         let from_lens = point - self.origin - offset;
         let depth = from_lens.dot(self.forward);
-        if !(depth > 0.0) {
+        if depth <= 0.0 || depth.is_nan() {
             return None;
         }
         let in_image = match &self.rays {

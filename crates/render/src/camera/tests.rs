@@ -1,7 +1,7 @@
 //! What cameras must do: closed forms and identities.
 
 use super::*;
-use crate::description::Lens;
+use crate::description::{Focus, Lens};
 use snowgrain_math::sampler::{PathKey, numbers};
 
 const SIZE: (u32, u32) = (120, 80);
@@ -18,7 +18,8 @@ fn camera(projection: Projection) -> Camera {
 }
 
 fn lens(diameter: f64, focus_distance: f64, blades: u32) -> Projection {
-    let lens = Lens { diameter, focus_distance, blades, blade_rotation_degrees: 10.0 };
+    let focus = Focus::Distance(focus_distance);
+    let lens = Lens { diameter, focus, blades, blade_rotation_degrees: 10.0 };
     Projection::Perspective { vertical_fov_degrees: 35.0, lens: Some(lens) }
 }
 

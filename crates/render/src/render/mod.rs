@@ -198,6 +198,7 @@ impl<'a> Rendering<'a> {
         }
         let mut picture = Picture::new(self.scene.film.width, self.scene.film.height, crop)?;
         picture.primaries = self.scene.film.primaries;
+        picture.exposure_stops = self.scene.film.exposure_stops;
         for (layer, values) in Layer::COLOUR.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }

@@ -2,10 +2,9 @@
 
 use super::super::SceneError;
 use super::super::document::{CameraKind, CameraTable};
-use super::super::focus::Focus;
 use super::checks::Checks;
 use snowgrain_math::{DVec3, trig};
-use snowgrain_render::description::{CameraDescription, Lens, Projection};
+use snowgrain_render::description::{CameraDescription, Focus, Lens, Projection};
 
 /// Vertical field of view where none is given, degrees.
 const VERTICAL_FOV_DEGREES: f64 = 40.0;
@@ -16,8 +15,9 @@ const SENSOR_HEIGHT: f64 = 0.024;
 /// Most blades.
 const MOST_BLADES: u32 = 64;
 
-pub(super) fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneError> {
-    let table = &checks.document().camera;
+/// The camera as written, if it is.
+pub(super) fn camera(checks: &Checks<'_>) -> Result<Option<CameraDescription>, SceneError> {
+    let Some(table) = &checks.document().camera else { return Ok(None) };
     let from = checks.position("camera.from", table.from)?;
     let at = checks.position("camera.at", table.at)?;
     let up = DVec3::from(checks.finite("camera.up", table.up)?);
@@ -37,7 +37,21 @@ pub(super) fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneErro
         CameraKind::Orthographic => orthographic(checks, table)?,
     };
     let backdrop = checks.radiance("camera.backdrop", table.backdrop)?;
-    Ok(CameraDescription { from, at, up, projection, backdrop })
+    Ok(Some(CameraDescription { from, at, up, projection, backdrop }))
+}
+
+/// log2 of 1.2 cd/m^2: what saturates a camera at an exposure value of 0, 78 / (100 * 0.65) by ISO
+/// 12232 with a lens that lets 0.65 through (Lagarde and de Rousiers 2014, "Moving Frostbite to
+/// Physically Based Rendering", section 5.1.2).
+const LOG2_SATURATION: f64 = 0.263_034_405_833_793_8;
+
+/// The exposure that makes the luminance white which saturates a camera set to `camera.ev100`.
+pub(super) fn exposure_stops(checks: &Checks<'_>) -> Result<f64, SceneError> {
+    match checks.document().camera.as_ref().and_then(|camera| camera.ev100) {
+        None => Ok(0.0),
+        Some(ev100) if (-30.0..=50.0).contains(&ev100) => Ok(-(ev100 + LOG2_SATURATION)),
+        Some(_) => Err(checks.bad("camera.ev100", "must be -30 to 50 (sunlit snow has 15)")),
+    }
 }
 
 fn orthographic(checks: &Checks<'_>, table: &CameraTable) -> Result<Projection, SceneError> {
@@ -80,7 +94,7 @@ fn perspective(
     };
     let lens = Lens {
         diameter,
-        focus_distance: focus_distance(checks, table.focus, view)?,
+        focus: self::focus(checks, table.focus, view)?,
         blades: blades(checks, table.blades)?,
         blade_rotation_degrees: blade_rotation(checks, table)?,
     };
@@ -132,19 +146,23 @@ fn refuse_without_lens(checks: &Checks<'_>, table: &CameraTable) -> Result<(), S
     Ok(())
 }
 
-fn focus_distance(
+fn focus(
     checks: &Checks<'_>,
-    focus: Option<Focus>,
+    written: Option<super::super::Focus>,
     (from, gaze, at): (DVec3, DVec3, DVec3),
-) -> Result<f64, SceneError> {
-    let point = match focus {
-        Some(Focus::Distance(distance)) => return checks.size("camera.focus", distance),
-        Some(Focus::Point(point)) => checks.position("camera.focus", point)?,
+) -> Result<Focus, SceneError> {
+    use super::super::Focus as Written;
+    let point = match written {
+        Some(Written::Surface) => return Ok(Focus::Surface),
+        Some(Written::Distance(distance)) => {
+            return checks.size("camera.focus", distance).map(Focus::Distance);
+        }
+        Some(Written::Point(point)) => checks.position("camera.focus", point)?,
         None => at,
     };
     let distance = (point - from).dot(gaze);
     if distance >= super::checks::SMALLEST {
-        return Ok(distance);
+        return Ok(Focus::Distance(distance));
     }
     Err(checks.bad("camera.focus", "the point must lie before the camera"))
 }

@@ -11,13 +11,14 @@ use snowgrain_render::description::{LightDescription, ObjectDescription, ObjectS
 use std::path::Path;
 use std::sync::Arc;
 
-/// The objects, and the lights that are objects.
+/// The objects after those of a shot, and the lights that are objects.
 pub(super) fn objects(
     checks: &Checks<'_>,
+    mut objects: Vec<ObjectDescription>,
     read_mesh: &mut ReadMesh<'_>,
 ) -> Result<(Vec<ObjectDescription>, Vec<LightDescription>), SceneError> {
     let mut meshes = Meshes::new();
-    let (mut objects, mut lamps) = (Vec::new(), Vec::new());
+    let mut lamps = Vec::new();
     for (i, table) in checks.document().object.iter().enumerate() {
         let path = format!("object.{i}");
         let (object, bounds) = object(checks, &path, table, &mut meshes, read_mesh)?;
@@ -137,7 +138,7 @@ fn mesh(
 
 /// A mesh may hold any finite vertex, and places may add up; in the world all must stay within
 /// reach.
-fn check_reach(
+pub(super) fn check_reach(
     checks: &Checks<'_>,
     key: &str,
     bounds: &Aabb,
@@ -154,13 +155,13 @@ fn check_reach(
 }
 
 /// How something is moved: scaled, then rotated, then translated.
-struct Placement {
-    scale: Triple,
-    rotate: [f64; 3],
-    translate: [Length; 3],
+pub(super) struct Placement {
+    pub(super) scale: Triple,
+    pub(super) rotate: [f64; 3],
+    pub(super) translate: [Length; 3],
 }
 
-fn transform(
+pub(super) fn transform(
     checks: &Checks<'_>,
     path: &str,
     placement: &Placement,

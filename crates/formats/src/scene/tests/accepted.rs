@@ -11,8 +11,8 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries, SunZenith,
 };
 use snowgrain_render::description::{
-    IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection, SceneDescription,
-    SnowDescription,
+    Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection,
+    SceneDescription, SnowDescription,
 };
 use std::f64::consts::PI;
 use std::path::Path;
@@ -264,6 +264,7 @@ fn meshes_are_read_once_relative_to_the_scene() {
         mesh: &mut read_mesh,
         grains: &mut no_grains,
         environment: &mut |_| Err("nor a map".into()),
+        import: &mut |_| Err("nor a shot".into()),
     };
     let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
@@ -331,6 +332,27 @@ fn cubes_are_seen_by_the_camera_of_the_benchmark() {
     }
 }
 
+#[test]
+fn a_shot_gives_its_objects_and_its_camera() {
+    let text = "version = 1\n[import]\nfile = \"shot.glb\"\nscale = 2\ntranslate = [1, 0, 0]\n\
+                [[light]]\nkind = \"sky\"\n";
+    let scene = read(text, &[]).unwrap();
+    let [low, high] = &scene.objects[..] else { panic!("{:?}", scene.objects) };
+    let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&low.shape, &high.shape) else { panic!() };
+    assert!(Arc::ptr_eq(a, b), "a mesh is held once");
+    assert_eq!((high.name.as_str(), high.albedo), ("at 0.5", [0.2, 0.3, 0.4]));
+    assert_eq!(high.transform.transform_point3(DVec3::X), DVec3::new(3.0, 1.0, 0.0));
+    assert_eq!(scene.camera.from, DVec3::new(1.0, 0.0, 4.0));
+    assert_eq!(scene.camera.at - scene.camera.from, DVec3::Z * -2.0);
+    assert_eq!(scene.camera.projection, Projection::pinhole(30.0));
+    let plan = read(text, &["import.camera=plan"]).unwrap();
+    assert_eq!(plan.camera.projection, Projection::Orthographic { height: 6.0 });
+    let both = read(&LEAST.replace("[[light]]", "[import]\nfile=\"shot.glb\"\n[[light]]"), &[]);
+    let both = both.unwrap();
+    assert_eq!(both.objects.len(), 3, "the shot's and those of the scene");
+    assert_eq!(both.camera.from, DVec3::new(0.0, 1.0, 3.0), "[camera] goes first");
+}
+
 /// The camera of [`LEAST`] stands sqrt(10) m from where it looks.
 #[test]
 fn lenses_and_parallel_rays_are_what_the_manual_says() {
@@ -340,9 +362,10 @@ fn lenses_and_parallel_rays_are_what_the_manual_says() {
         other => panic!("{other:?}"),
     };
     let round = lens(&["camera.aperture=2mm"]);
-    let focus_distance = round.focus_distance;
-    assert!((focus_distance - 10f64.sqrt()).abs() < 1e-15);
-    let expected = Lens { diameter: 0.002, focus_distance, blades: 0, blade_rotation_degrees: 0.0 };
+    let Focus::Distance(distance) = round.focus else { panic!("{round:?}") };
+    assert!((distance - 10f64.sqrt()).abs() < 1e-15);
+    let focus = Focus::Distance(distance);
+    let expected = Lens { diameter: 0.002, focus, blades: 0, blade_rotation_degrees: 0.0 };
     assert_eq!(round, expected);
     let bladed = [
         "camera.aperture=2mm",
@@ -350,12 +373,18 @@ fn lenses_and_parallel_rays_are_what_the_manual_says() {
         "camera.blades=7",
         "camera.blade_rotation=-12.5",
     ];
-    let expected =
-        Lens { diameter: 0.002, focus_distance: 0.3, blades: 7, blade_rotation_degrees: -12.5 };
+    let expected = Lens {
+        diameter: 0.002,
+        focus: Focus::Distance(0.3),
+        blades: 7,
+        blade_rotation_degrees: -12.5,
+    };
     assert_eq!(lens(&bladed), expected);
     // Half way: the plane through a point, wherever in it the point lies.
     let beside = lens(&["camera.aperture=2mm", "camera.focus=[5, 0.5, 1.5]"]);
-    assert!((beside.focus_distance - 10f64.sqrt() / 2.0).abs() < 1e-12);
+    assert!(matches!(beside.focus, Focus::Distance(distance)
+        if (distance - 10f64.sqrt() / 2.0).abs() < 1e-12));
+    assert_eq!(lens(&["camera.aperture=2mm", "camera.focus=surface"]).focus, Focus::Surface);
     // 53.13 degrees: the sensor is as high as the lens is long.
     let normal = ["camera.vertical_fov=53.13010235415598", "camera.f_number=2.4"];
     assert!((lens(&normal).diameter - 0.01).abs() < 1e-15);
@@ -363,6 +392,15 @@ fn lenses_and_parallel_rays_are_what_the_manual_says() {
     assert!((lens(&small).diameter - 0.005).abs() < 1e-15);
     let parallel = projection(&["camera.kind=orthographic", "camera.height=10cm"]);
     assert_eq!(parallel, Projection::Orthographic { height: 0.1 });
+}
+
+#[test]
+fn an_exposure_value_shows_the_luminance_that_saturates_as_white() {
+    let stops = |ev100: &str| read(LEAST, &[ev100]).unwrap().film.exposure_stops;
+    assert_eq!(read(LEAST, &[]).unwrap().film.exposure_stops, 0.0);
+    let gain = |ev100| snowgrain_math::trig::pow(2.0, stops(ev100));
+    assert!((1.2 * 32_768.0 * gain("camera.ev100=15") - 1.0).abs() < 1e-12);
+    assert!((1.2 / 8.0 * gain("camera.ev100=-3.0") - 1.0).abs() < 1e-12);
 }
 
 /// The object's extremes and 3 cm of snow on its top lie in the picture.

@@ -296,7 +296,27 @@ fn films_and_cameras_are_checked() {
     assert!(set("camera.up=[0,0,0]").contains("must not be zero"));
     assert!(set("camera.up=[0,-1,-3]").contains("must not point along the line of sight"));
     assert!(set("camera.up=[0,nan,0]").contains("must be finite numbers"));
+    assert!(set("camera.ev100=nan").contains("must be -30 to 50"));
     assert!(set("camera.backdrop=-1").contains("must be finite and not negative"));
+}
+
+#[test]
+fn shots_are_checked() {
+    let least = LEAST.replace("[[light]]", "[import]\nfile=\"shot.glb\"\n[[light]]");
+    let shot = |assignments: &[&str]| refusal(&least, assignments);
+    assert!(shot(&["import.file=other.glb"]).contains("import.file = other.glb: no such file"));
+    assert!(shot(&["import.scale=0"]).contains("import.scale = 0: must be finite and not 0"));
+    assert!(shot(&["import.camera=eye"]).contains("[camera] is there already"));
+    assert!(shot(&["import.scale=1e12"]).contains("the object reaches"));
+    let alone = "version = 1\n[import]\nfile = \"shot.glb\"\n[[light]]\nkind = \"sky\"\n";
+    let wrong = refusal(alone, &["import.camera=lens"]);
+    assert!(wrong.contains("the cameras of the file are \"eye\", \"plan\""), "{wrong}");
+    let blind =
+        refusal("version = 1\n[[light]]\nkind = \"sky\"\n[[object]]\nshape = \"box\"\n", &[]);
+    assert_eq!(
+        blind,
+        "folder/scene.toml: camera is missing: add [camera] with from = [0, 1, 3], at = [0, 0, 0]"
+    );
 }
 
 #[test]
