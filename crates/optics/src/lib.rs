@@ -26,6 +26,7 @@ mod quadrature;
 pub mod spectrum;
 pub mod sphere;
 pub mod strata_colour;
+pub mod sun_position;
 mod table;
 pub mod theory;
 pub mod uplift;

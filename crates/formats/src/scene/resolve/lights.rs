@@ -8,10 +8,12 @@ use super::checks::Checks;
 use core::f64::consts::PI;
 use core::ops::Range;
 use snowgrain_math::DVec3;
+use snowgrain_optics::sun_position::{SunPosition, UniversalTime, sun_position};
 use snowgrain_optics::{Illuminant, SunZenith, clear_sky};
 use snowgrain_render::description::{IntegratorKind, LightDescription, LightKind};
 use snowgrain_render::light::{direction_of, irradiance_of_disc};
 use std::sync::Arc;
+use toml::value::{Datetime, Offset};
 
 /// Sine of the angle between edges up to which they are parallel.
 const FLAT: f64 = 1e-9;
@@ -24,10 +26,19 @@ const VISIBLE: &str = "visible_to_camera";
 fn keys_of(kind: LightKindName) -> &'static [&'static str] {
     match kind {
         LightKindName::Sky | LightKindName::Uniform | LightKindName::Overcast => &["radiance"],
-        LightKindName::ClearSky => &["strength", "units", "elevation", "azimuth"],
-        LightKindName::Sun | LightKindName::SunSky => {
-            &["strength", "units", "elevation", "azimuth", "angular_diameter"]
+        LightKindName::ClearSky => {
+            &["strength", "units", "elevation", "azimuth", "time", "latitude", "longitude"]
         }
+        LightKindName::Sun | LightKindName::SunSky => &[
+            "strength",
+            "units",
+            "elevation",
+            "azimuth",
+            "time",
+            "latitude",
+            "longitude",
+            "angular_diameter",
+        ],
         LightKindName::Environment => &["file", "strength", "rotation"],
         LightKindName::Sphere => &["radiance", "center", "radius"],
         LightKindName::Quad => &["radiance", "corner", "edges"],
@@ -287,7 +298,25 @@ impl Light<'_> {
     }
 
     fn clear_day(&self) -> Result<ClearDay, SceneError> {
-        let mend = "say how high the sun stands, as elevation = 30";
+        let SunPosition { elevation, azimuth } = match &self.table.time {
+            Some(time) => self.sun_at(time)?,
+            None => self.sun_by_angles()?,
+        };
+        Ok(ClearDay { direction: direction_of(elevation, azimuth), zenith: 90.0 - elevation })
+    }
+
+    fn sun_by_angles(&self) -> Result<SunPosition, SceneError> {
+        for (name, value) in
+            [("latitude", self.table.latitude), ("longitude", self.table.longitude)]
+        {
+            if value.is_some() {
+                let mend =
+                    "a place says where the sun stands only with a time; write time, or remove it";
+                return Err(self.checks.misplaced(&self.key(name), mend));
+            }
+        }
+        let mend =
+            "say how high the sun stands, as elevation = 30, or write time, latitude and longitude";
         let elevation = self.table.elevation;
         let elevation =
             elevation.ok_or_else(|| self.checks.missing(&self.key("elevation"), mend))?;
@@ -298,11 +327,60 @@ impl Light<'_> {
         }
         let azimuth = self.table.azimuth.unwrap_or(0.0);
         let [azimuth] = self.checks.finite(&self.key("azimuth"), [azimuth])?;
-        Ok(ClearDay {
-            direction: direction_of(elevation, azimuth.rem_euclid(360.0)),
-            zenith: 90.0 - elevation,
-        })
+        Ok(SunPosition { elevation, azimuth: azimuth.rem_euclid(360.0) })
     }
+
+    fn sun_at(&self, time: &str) -> Result<SunPosition, SceneError> {
+        for (name, given) in [
+            ("elevation", self.table.elevation.is_some()),
+            ("azimuth", self.table.azimuth.is_some()),
+        ] {
+            if given {
+                let mend = "time says where the sun stands, too; keep one of them";
+                return Err(self.checks.misplaced(&self.key(name), mend));
+            }
+        }
+        let degrees = |name: &str, value: Option<f64>, most: f64| {
+            let mend = format!("say where, as {name} = 47");
+            let value = value.ok_or_else(|| self.checks.missing(&self.key(name), mend))?;
+            if (-most..=most).contains(&value) {
+                return Ok(value);
+            }
+            Err(self.bad(name, &format!("must be {} to {most} degrees", -most)))
+        };
+        let latitude = degrees("latitude", self.table.latitude, 90.0)?;
+        let longitude = degrees("longitude", self.table.longitude, 180.0)?;
+        let when = universal_time(time).map_err(|mend| self.bad("time", &mend))?;
+        let position = sun_position(latitude, longitude, when);
+        if position.elevation <= 0.0 {
+            let mend = format!(
+                "the sun is then {:.1} degrees below the horizon and gives no light; choose another time",
+                -position.elevation
+            );
+            return Err(self.bad("time", &mend));
+        }
+        Ok(position)
+    }
+}
+
+/// The moment of a text like "2026-01-15T14:30:00+01:00".
+fn universal_time(text: &str) -> Result<UniversalTime, String> {
+    let form = "write it as \"2026-01-15T14:30:00+01:00\", with the offset from UTC";
+    let known: Datetime = text.trim().parse().map_err(|_| form.to_owned())?;
+    let (Some(date), Some(time), Some(offset)) = (known.date, known.time, known.offset) else {
+        return Err(form.to_owned());
+    };
+    if !(1950..=2050).contains(&date.year) {
+        return Err("must be of the years 1950 to 2050".to_owned());
+    }
+    let minutes = match offset {
+        Offset::Z => 0,
+        Offset::Custom { minutes } => minutes,
+    };
+    let seconds = f64::from(time.second.unwrap_or(0));
+    let hours = f64::from(time.hour) + f64::from(time.minute) / 60.0 + seconds / 3600.0;
+    let hours = hours - f64::from(minutes) / 60.0;
+    Ok(UniversalTime::new(i32::from(date.year), date.month, date.day, hours))
 }
 
 /// Sun and sky of a clear day over snow.

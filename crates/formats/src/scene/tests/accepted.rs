@@ -13,6 +13,7 @@ use snowgrain_optics::{
 use snowgrain_render::description::{
     IceDescription, LightDescription, LightKind, ObjectShape, SceneDescription, SnowDescription,
 };
+use snowgrain_render::light::direction_of;
 use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -147,6 +148,16 @@ fn overrides_change_and_add_values() {
     assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
     assert_eq!(scene.objects[0].name, "a ball");
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0, 2.0, 3.0])]);
+}
+
+#[test]
+fn the_sun_stands_where_place_and_time_say() {
+    let light = "kind = \"sun\"\ntime = \"2003-10-17T12:30:30-07:00\"\nlatitude = 39.742476\n\
+                 longitude = -105.1786";
+    let scene = read(&under(light), &[]).unwrap();
+    let LightKind::Sun { direction, .. } = scene.lights[0].kind else { panic!() };
+    let expected = direction_of(39.888, 194.340);
+    assert!(direction.angle_between(expected).to_degrees() < 0.05);
 }
 
 #[test]

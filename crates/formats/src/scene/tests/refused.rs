@@ -417,6 +417,34 @@ fn lights_that_cannot_shine_are_refused() {
             "light.0.file = \"none.hdr\": no such file",
         ),
         ("kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = nan", "must be finite numbers"),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T23:30:00+01:00\"\nlatitude = 47\nlongitude = 11",
+            "light.0.time = \"2026-01-15T23:30:00+01:00\": the sun is then 6",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00\"\nlatitude = 47\nlongitude = 11",
+            "with the offset from UTC",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"noon\"\nlatitude = 47\nlongitude = 11",
+            "write it as \"2026-01-15T",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00Z\"",
+            "light.0.latitude is missing: say where",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00Z\"\nlatitude = 95\nlongitude = 0",
+            "light.0.latitude = 95: must be -90 to 90 degrees",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00Z\"\nelevation = 9",
+            "light.0.elevation = 9: time says where the sun stands, too",
+        ),
+        (
+            "kind = \"sun\"\nelevation = 9\nlatitude = 9",
+            "a place says where the sun stands only with a time",
+        ),
         ("kind = \"sphere\"\ncenter = [0, 1, 0]", "light.0.radius is missing: say how large"),
         (
             "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 0",
