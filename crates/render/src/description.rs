@@ -161,7 +161,7 @@ pub enum SnowDescription {
 /// The closed set of integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum IntegratorKind {
-    /// Exact: every grain is met, light is found by escape only.
+    /// Exact: every grain is met, light is found where paths escape or meet a luminous surface.
     #[default]
     Grains,
 }

@@ -58,7 +58,7 @@ pub struct FilmTable {
     pub primaries: PrimariesName,
     /// What a .film file keeps beside the picture: ["ice-paths"], each pixel's light by length in
     /// ice, so that ice and impurities can be chosen after the render (768 bytes a pixel for each
-    /// spectrum of lights); default [], nothing.
+    /// group and spectrum of lights); default [], nothing.
     pub keep: Vec<KeepName>,
 }
 
@@ -387,7 +387,8 @@ pub enum LatticeName {
 #[derive(Clone, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (exact: every grain is met, light is found by escape only); default "grains".
+    /// "grains" (exact: every grain is met, light is found where paths escape or meet a lamp); default
+    /// "grains".
     pub kind: IntegratorName,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.

@@ -47,7 +47,7 @@ pub struct LightTable {
     /// Longitude in degrees, east above 0: -180 to 180; with `time`.
     #[serde(default)]
     pub longitude: Option<f64>,
-    /// Angle across the sun in degrees, above 0 and at most 90; its light stays the same; default 0.533; sun,
+    /// Angle across the sun in degrees, 0.001 to 90; its light stays the same; default 0.533; sun,
     /// sun-sky.
     #[serde(default)]
     pub angular_diameter: Option<f64>,
@@ -83,7 +83,8 @@ pub struct LightTable {
     /// Along the axis of a spot: [x, y, z], any length above 0; default [0, -1, 0]; spot.
     #[serde(default)]
     pub direction: Option<[f64; 3]>,
-    /// Angle from the axis within which a spot has its whole intensity, degrees, at least 0; default 20; spot.
+    /// Angle from the axis within which a spot has its whole intensity, degrees, at least 0 and below 180; default
+    /// 20; spot.
     #[serde(default)]
     pub inner_angle: Option<f64>,
     /// Angle from the axis beyond which a spot gives no light, degrees, above `inner_angle` and at most 180;

@@ -1,19 +1,18 @@
 //! What `[[light]]` means.
 
+mod clear_day;
+
 use super::super::SceneError;
-use super::super::document::{LightKindName, LightTable, ShapeKind, SpectrumName, UnitsName};
+use super::super::document::{LightKindName, LightTable, ShapeKind, SpectrumName};
 use super::super::quantity::{Length, Triple};
 use super::ReadEnvironment;
 use super::checks::Checks;
-use core::f64::consts::PI;
+use clear_day::ClearDay;
 use core::ops::Range;
 use snowgrain_math::DVec3;
-use snowgrain_optics::sun_position::{SunPosition, UniversalTime, sun_position};
-use snowgrain_optics::{Illuminant, SunZenith, clear_sky};
+use snowgrain_optics::Illuminant;
 use snowgrain_render::description::{IntegratorKind, LightDescription, LightKind};
-use snowgrain_render::light::{direction_of, irradiance_of_disc};
 use std::sync::Arc;
-use toml::value::{Datetime, Offset};
 
 /// Sine of the angle between edges up to which they are parallel.
 const FLAT: f64 = 1e-9;
@@ -188,10 +187,10 @@ impl Light<'_> {
             LightKindName::Sky => LightKind::Sky,
             LightKindName::Uniform => LightKind::Uniform,
             LightKindName::Overcast => LightKind::Overcast,
-            LightKindName::ClearSky => return Ok(vec![self.clear_day()?.sky(self)?]),
-            LightKindName::Sun => return Ok(vec![self.clear_day()?.sun(self)?]),
+            LightKindName::ClearSky => return Ok(vec![ClearDay::of(self)?.sky(self)?]),
+            LightKindName::Sun => return Ok(vec![ClearDay::of(self)?.sun(self)?]),
             LightKindName::SunSky => {
-                let day = self.clear_day()?;
+                let day = ClearDay::of(self)?;
                 return Ok(vec![day.sun(self)?, day.sky(self)?]);
             }
             LightKindName::Environment => return Ok(vec![self.environment(read_environment)?]),
@@ -286,8 +285,8 @@ impl Light<'_> {
         };
         let inner_degrees = self.table.inner_angle.unwrap_or(20.0);
         let outer_degrees = self.table.outer_angle.unwrap_or(30.0);
-        if !(inner_degrees >= 0.0) {
-            return Err(self.bad("inner_angle", "must be at least 0 degrees"));
+        if !(0.0..180.0).contains(&inner_degrees) {
+            return Err(self.bad("inner_angle", "must be at least 0 and below 180 degrees"));
         }
         if !(outer_degrees > inner_degrees && outer_degrees <= 180.0) {
             let mend =
@@ -295,137 +294,6 @@ impl Light<'_> {
             return Err(self.bad("outer_angle", &mend));
         }
         Ok(LightKind::Spot { position, direction, inner_degrees, outer_degrees })
-    }
-
-    fn clear_day(&self) -> Result<ClearDay, SceneError> {
-        let SunPosition { elevation, azimuth } = match &self.table.time {
-            Some(time) => self.sun_at(time)?,
-            None => self.sun_by_angles()?,
-        };
-        Ok(ClearDay { direction: direction_of(elevation, azimuth), zenith: 90.0 - elevation })
-    }
-
-    fn sun_by_angles(&self) -> Result<SunPosition, SceneError> {
-        for (name, value) in
-            [("latitude", self.table.latitude), ("longitude", self.table.longitude)]
-        {
-            if value.is_some() {
-                let mend =
-                    "a place says where the sun stands only with a time; write time, or remove it";
-                return Err(self.checks.misplaced(&self.key(name), mend));
-            }
-        }
-        let mend =
-            "say how high the sun stands, as elevation = 30, or write time, latitude and longitude";
-        let elevation = self.table.elevation;
-        let elevation =
-            elevation.ok_or_else(|| self.checks.missing(&self.key("elevation"), mend))?;
-        if !(elevation > 0.0 && elevation <= 90.0) {
-            let mend =
-                "must be above 0 (the sun below the horizon gives no light) and at most 90 degrees";
-            return Err(self.bad("elevation", mend));
-        }
-        let azimuth = self.table.azimuth.unwrap_or(0.0);
-        let [azimuth] = self.checks.finite(&self.key("azimuth"), [azimuth])?;
-        Ok(SunPosition { elevation, azimuth: azimuth.rem_euclid(360.0) })
-    }
-
-    fn sun_at(&self, time: &str) -> Result<SunPosition, SceneError> {
-        for (name, given) in [
-            ("elevation", self.table.elevation.is_some()),
-            ("azimuth", self.table.azimuth.is_some()),
-        ] {
-            if given {
-                let mend = "time says where the sun stands, too; keep one of them";
-                return Err(self.checks.misplaced(&self.key(name), mend));
-            }
-        }
-        let degrees = |name: &str, value: Option<f64>, most: f64| {
-            let mend = format!("say where, as {name} = 47");
-            let value = value.ok_or_else(|| self.checks.missing(&self.key(name), mend))?;
-            if (-most..=most).contains(&value) {
-                return Ok(value);
-            }
-            Err(self.bad(name, &format!("must be {} to {most} degrees", -most)))
-        };
-        let latitude = degrees("latitude", self.table.latitude, 90.0)?;
-        let longitude = degrees("longitude", self.table.longitude, 180.0)?;
-        let when = universal_time(time).map_err(|mend| self.bad("time", &mend))?;
-        let position = sun_position(latitude, longitude, when);
-        if position.elevation <= 0.0 {
-            let mend = format!(
-                "the sun is then {:.1} degrees below the horizon and gives no light; choose another time",
-                -position.elevation
-            );
-            return Err(self.bad("time", &mend));
-        }
-        Ok(position)
-    }
-}
-
-/// The moment of a text like "2026-01-15T14:30:00+01:00".
-fn universal_time(text: &str) -> Result<UniversalTime, String> {
-    let form = "write it as \"2026-01-15T14:30:00+01:00\", with the offset from UTC";
-    let known: Datetime = text.trim().parse().map_err(|_| form.to_owned())?;
-    let (Some(date), Some(time), Some(offset)) = (known.date, known.time, known.offset) else {
-        return Err(form.to_owned());
-    };
-    if !(1950..=2050).contains(&date.year) {
-        return Err("must be of the years 1950 to 2050".to_owned());
-    }
-    let minutes = match offset {
-        Offset::Z => 0,
-        Offset::Custom { minutes } => minutes,
-    };
-    let seconds = f64::from(time.second.unwrap_or(0));
-    let hours = f64::from(time.hour) + f64::from(time.minute) / 60.0 + seconds / 3600.0;
-    let hours = hours - f64::from(minutes) / 60.0;
-    Ok(UniversalTime::new(i32::from(date.year), date.month, date.day, hours))
-}
-
-/// Sun and sky of a clear day over snow.
-struct ClearDay {
-    /// Towards the sun.
-    direction: DVec3,
-    /// Zenith angle of the sun, degrees.
-    zenith: f64,
-}
-
-impl ClearDay {
-    fn sun(&self, light: &Light<'_>) -> Result<LightDescription, SceneError> {
-        let diameter = light.table.angular_diameter.unwrap_or(clear_sky::SUN_DIAMETER_DEGREES);
-        if !(diameter >= 1e-3 && diameter <= 90.0) {
-            let mend = "must be 0.001 to 90 degrees (the sun has 0.533)";
-            return Err(light.bad("angular_diameter", mend));
-        }
-        let [across, _] = self.illuminances(light);
-        let strength = self.strength(light, across / irradiance_of_disc(diameter))?;
-        let kind = LightKind::Sun { direction: self.direction, diameter_degrees: diameter };
-        Ok(light.light(kind, strength, Illuminant::Sun(SunZenith::new(self.zenith))))
-    }
-
-    fn sky(&self, light: &Light<'_>) -> Result<LightDescription, SceneError> {
-        let [_, diffuse] = self.illuminances(light);
-        let strength = self.strength(light, diffuse / PI)?;
-        let kind = LightKind::ClearSky { sun: self.direction };
-        Ok(light.light(kind, strength, Illuminant::ClearSky(SunZenith::new(self.zenith))))
-    }
-
-    /// By the sun across its light and by the sky on level ground, in the units of the light.
-    fn illuminances(&self, light: &Light<'_>) -> [f64; 2] {
-        let [across, diffuse] = clear_sky::illuminances(self.zenith);
-        let unit = match light.table.units.unwrap_or_default() {
-            UnitsName::CandelaPerSquareMetre => 1.0,
-            UnitsName::Relative => PI / (across * self.direction.y + diffuse),
-        };
-        [across * unit, diffuse * unit]
-    }
-
-    /// So many times what the table says.
-    fn strength(&self, light: &Light<'_>, times: f64) -> Result<[f32; 3], SceneError> {
-        let Triple(strength) = light.table.strength.unwrap_or(Triple([1.0; 3]));
-        let strength = Triple(strength.map(|strength| strength * times));
-        light.checks.radiance(&light.key("strength"), strength)
     }
 }
 
