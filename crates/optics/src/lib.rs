@@ -27,6 +27,7 @@ pub mod scatter;
 pub mod spectrum;
 pub mod sphere;
 pub mod strata_colour;
+pub mod sun_position;
 mod table;
 pub mod theory;
 pub mod uplift;

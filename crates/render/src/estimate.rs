@@ -2,7 +2,8 @@
 
 use crate::camera::Camera;
 use crate::description::{
-    ObjectDescription, ObjectShape, Packing, SceneDescription, SnowDescription,
+    LightDescription, LightKind, ObjectDescription, ObjectShape, Packing, SceneDescription,
+    SnowDescription,
 };
 use crate::light::slots_of;
 use core::f64::consts::PI;
@@ -64,7 +65,7 @@ pub struct CostEstimate {
     pub grain_bytes: u64,
     /// Memory that only the making of the snow needs, bytes.
     pub building_bytes: u64,
-    /// Memory of the surfaces, bytes.
+    /// Memory of the surfaces and of maps of all directions, bytes.
     pub surface_bytes: u64,
     /// Memory of film and picture, bytes.
     pub film_bytes: u64,
@@ -88,6 +89,7 @@ impl CostEstimate {
             let triangles = if meshes.len() > known { triangles(object) } else { 0.0 };
             cost.surface_bytes += (triangles * BYTES_PER_TRIANGLE + BYTES_PER_OBJECT) as u64;
         }
+        cost.surface_bytes += description.lights.iter().map(map_bytes).sum::<u64>();
         let objects = bounds;
         for snow in &description.snow {
             let (grains, body) = match snow {
@@ -314,6 +316,16 @@ fn seen(description: &SceneDescription, crop: PixelRect, bounds: &Aabb) -> f64 {
         })
         .count();
     hits as f64 / f64::from(PROBES * PROBES)
+}
+
+/// The memory of a light's map of all directions with what directions are drawn by, bytes.
+fn map_bytes(light: &LightDescription) -> u64 {
+    match &light.kind {
+        LightKind::Environment { map, .. } => {
+            map.pixels().len() as u64 * (size_of::<[f32; 3]>() + size_of::<f64>()) as u64
+        }
+        _ => 0,
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::cubes::picture;
 use crate::deposits::{fall, pile};
 use snowgrain_film::{Film, PixelRect};
 use snowgrain_grains::DepositRule;
-use snowgrain_math::{DAffine3, DVec3};
+use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     LightKind, ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
@@ -66,7 +66,7 @@ fn mean(film: &Film) -> Estimate {
 /// configuration factors", B-4).
 fn corner_factor(a: f64, b: f64) -> f64 {
     let [u, v] = [(1.0 + a * a).sqrt(), (1.0 + b * b).sqrt()];
-    (a / u * (b / u).atan() + b / v * (a / v).atan()) / (2.0 * PI)
+    (a / u * trig::atan2(b, u) + b / v * trig::atan2(a, v)) / (2.0 * PI)
 }
 
 /// A map that differs from pixel to pixel, and the irradiance of level ground under it over pi.
@@ -82,7 +82,7 @@ fn map() -> (Arc<EnvironmentMap>, f64) {
         for column in 0..columns {
             let height = (f64::from(row) + 0.5) / f64::from(rows);
             let azimuth = 360.0 * (f64::from(column) + 0.5) / f64::from(columns);
-            let direction = direction_of(height.asin().to_degrees(), azimuth);
+            let direction = direction_of(trig::asin(height).to_degrees(), azimuth);
             sum += f64::from(map.radiance(direction)[1]) * direction.y;
         }
     }
@@ -97,7 +97,7 @@ fn ground_under_each_light_has_the_radiance_of_its_closed_form() {
     let sphere = DVec3::new(0.5, 0.8, 0.1);
     let to_sphere = sphere.length_squared();
     let rectangle = 2.0 * (corner_factor(0.6, 0.4) + corner_factor(0.6, 0.9));
-    let half = (15f64.to_radians()).sin();
+    let half = trig::sin_cos(15f64.to_radians()).0;
     for (kind, strength, expected) in [
         (LightKind::Sky, 1.0, 1.0),
         (LightKind::Overcast, 1.0, 7.0 / 9.0),

@@ -64,7 +64,7 @@ pub struct FilmTable {
     pub primaries: PrimariesName,
     /// What a .film file keeps beside the picture: ["ice-paths"], each pixel's light by length in
     /// ice, so that ice and impurities can be chosen after the render (768 bytes a pixel for each
-    /// spectrum of lights); default [], nothing.
+    /// group and spectrum of lights); default [], nothing.
     pub keep: Vec<KeepName>,
 }
 

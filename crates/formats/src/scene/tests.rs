@@ -1,6 +1,7 @@
 //! Scenes good and bad, end to end.
 
 mod accepted;
+mod lights;
 mod never_panics;
 mod refused;
 

@@ -157,7 +157,7 @@ mod tests {
         };
         let spot = Near::new(&kind, None).unwrap();
         let at = |degrees: f64| {
-            let from = DVec3::new(degrees.to_radians().tan(), 0.0, 0.0);
+            let from = DVec3::new(trig::tan(degrees.to_radians()), 0.0, 0.0);
             spot.sample(from, [0.5; 3]).map(|way| way.radiance * way.distance * way.distance)
         };
         assert!((at(19.9).unwrap() - 1.0).abs() < 1e-12);

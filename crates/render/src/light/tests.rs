@@ -152,7 +152,7 @@ fn samples_follow_their_density_by_chi_square() {
             let (height, turn) = if narrow {
                 let LightKind::Sun { direction: middle, .. } = light.kind else { unreachable!() };
                 let (s, t) = snowgrain_math::frame::tangents(middle);
-                let angle = direction.dot(t).atan2(direction.dot(s));
+                let angle = snowgrain_math::trig::atan2(direction.dot(t), direction.dot(s));
                 let share =
                     (direction - middle).length_squared() * 0.5 * 2.0 * PI / source.solid_angle();
                 (1.0 - 2.0 * share.min(1.0 - 1e-9), angle / (2.0 * PI) + 0.5)
@@ -237,4 +237,67 @@ fn a_selection_is_dark_but_for_what_it_keeps_and_parts_add_to_the_whole() {
         assert_eq!(small.sample(DVec3::ZERO, uniform(3, index)).unwrap().light, 4);
     }
     assert_eq!(all.select(|_| false).sample(DVec3::ZERO, [0.5; 3]), None);
+}
+
+/// A sphere, a quad and a point over the origin, and the irradiance of level ground there by each.
+fn lamps() -> ([LightDescription; 3], [f64; 3]) {
+    let center = DVec3::new(0.4, 0.9, -0.2);
+    let position = DVec3::new(-0.5, 1.5, 0.0);
+    let lamps = [
+        LightKind::Sphere { center, radius: 0.3 },
+        // Small, so that it is nearly a point; it shines downwards.
+        LightKind::Quad {
+            corner: DVec3::new(-0.005, 2.0, -0.005),
+            edges: [DVec3::X * 0.01, DVec3::Z * 0.01],
+        },
+        LightKind::Point { position },
+    ]
+    .map(|kind| LightDescription::new(kind, [2.0; 3]));
+    let to_sphere = center.length_squared();
+    let to_point = position.length_squared();
+    let irradiances = [
+        2.0 * PI * 0.09 / to_sphere * center.y / to_sphere.sqrt(),
+        2.0 * 1e-4 / 4.0,
+        2.0 / to_point * position.y / to_point.sqrt(),
+    ];
+    (lamps, irradiances)
+}
+
+#[test]
+fn samples_of_lamps_sum_to_their_irradiance_and_have_the_density_of_their_points() {
+    // 4.5 standard errors: a false alarm in 10^5.
+    let (descriptions, irradiances) = lamps();
+    let all = lights(&descriptions, [0.0; 3]);
+    for (light, expected) in irradiances.into_iter().enumerate() {
+        let lamp = all.select(|other| other == light);
+        let (mut sum, mut square) = (0.0, 0.0);
+        let samples = 20_000u32;
+        for index in 0..samples {
+            let Some(sample) = lamp.sample(DVec3::ZERO, uniform(50 + light as u64, index)) else {
+                continue;
+            };
+            assert_eq!((sample.light, sample.is_point), (light, light == 2));
+            let value = f64::from(sample.radiance[1]) * sample.direction.y / sample.pdf;
+            sum += value;
+            square += value * value;
+        }
+        let count = f64::from(samples);
+        let mean = sum / count;
+        let error = ((square / count - mean * mean).max(0.0) / count).sqrt();
+        assert!(
+            (mean - expected).abs() < 4.5 * error + 1e-4 * expected,
+            "{mean} {expected} {error}"
+        );
+    }
+    assert!(all.is_small(1) && all.is_small(2));
+    // Nearer than the scene is large: seen from the radius of the scene.
+    assert!((all.solid_angle(0) - PI * 0.09 / 3.0).abs() < 1e-12);
+    let ball = all.select(|light| light == 0);
+    let sample = ball.sample(DVec3::ZERO, [0.3, 0.6, 0.2]).unwrap();
+    let point = sample.direction * sample.distance;
+    let normal = (point - DVec3::new(0.4, 0.9, -0.2)).normalize();
+    let density = ball.pdf_on_surface(0, DVec3::ZERO, point, normal);
+    assert!((density / sample.pdf - 1.0).abs() < 1e-9);
+    assert_eq!(ball.pdf_at_infinity(0, sample.direction), 0.0);
+    assert_eq!(all.pdf_on_surface(1, DVec3::Y * 3.0, DVec3::Y * 2.0, DVec3::Y), 0.0);
 }

@@ -1,8 +1,8 @@
 //! The exact walk: from a ray to where its light comes from.
 //!
 //! A path reflects or refracts at random at every interface (in `snowgrain_accel::Flight`), bounces
-//! off diffuse objects, and ends when it escapes, when an object absorbs it, or when unbiased
-//! roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
+//! off diffuse objects, and ends when it escapes, when it meets a luminous surface, when an object absorbs
+//! it, or when unbiased roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
 //! its length in ice, from which any absorption follows afterwards (white Monte Carlo).
 //!
 //! Light is found where a path escapes, or is looked for on the way ([`seek`]).

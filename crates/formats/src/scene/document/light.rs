@@ -28,14 +28,26 @@ pub struct LightTable {
     /// real day); default "relative"; clear-sky, sun, sun-sky.
     #[serde(default)]
     pub units: Option<UnitsName>,
-    /// How high the sun stands above the horizon in degrees, above 0 and at most 90; clear-sky, sun, sun-sky.
+    /// How high the sun stands above the horizon in degrees, above 0 and at most 90; clear-sky, sun, sun-sky
+    /// (this or `time`).
     #[serde(default)]
     pub elevation: Option<f64>,
     /// Where the sun stands in degrees from north (-z) clockwise over east (+x): any finite number; default
     /// 0; clear-sky, sun, sun-sky.
     #[serde(default)]
     pub azimuth: Option<f64>,
-    /// Angle across the sun in degrees, above 0 and at most 90; its light stays the same; default 0.533; sun,
+    /// When, for a sun that stands where it then does: text like "2026-01-15T14:30:00+01:00" (RFC 3339, with
+    /// the offset from UTC), of the years 1950 to 2050; with `latitude` and `longitude`; clear-sky, sun,
+    /// sun-sky (this or `elevation`).
+    #[serde(default)]
+    pub time: Option<String>,
+    /// Latitude in degrees, north above 0: -90 to 90; with `time`.
+    #[serde(default)]
+    pub latitude: Option<f64>,
+    /// Longitude in degrees, east above 0: -180 to 180; with `time`.
+    #[serde(default)]
+    pub longitude: Option<f64>,
+    /// Angle across the sun in degrees, 0.001 to 90; its light stays the same; default 0.533; sun,
     /// sun-sky.
     #[serde(default)]
     pub angular_diameter: Option<f64>,
@@ -71,7 +83,8 @@ pub struct LightTable {
     /// Along the axis of a spot: [x, y, z], any length above 0; default [0, -1, 0]; spot.
     #[serde(default)]
     pub direction: Option<[f64; 3]>,
-    /// Angle from the axis within which a spot has its whole intensity, degrees, at least 0; default 20; spot.
+    /// Angle from the axis within which a spot has its whole intensity, degrees, at least 0 and below 180; default
+    /// 20; spot.
     #[serde(default)]
     pub inner_angle: Option<f64>,
     /// Angle from the axis beyond which a spot gives no light, degrees, above `inner_angle` and at most 180;

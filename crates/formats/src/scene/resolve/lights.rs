@@ -1,16 +1,17 @@
 //! What `[[light]]` means.
 
+mod clear_day;
+
 use super::super::SceneError;
-use super::super::document::{LightKindName, LightTable, ShapeKind, SpectrumName, UnitsName};
+use super::super::document::{LightKindName, LightTable, ShapeKind, SpectrumName};
 use super::super::quantity::{Length, Triple};
 use super::ReadEnvironment;
 use super::checks::Checks;
-use core::f64::consts::PI;
+use clear_day::ClearDay;
 use core::ops::Range;
 use snowgrain_math::DVec3;
-use snowgrain_optics::{Illuminant, SunZenith, clear_sky};
+use snowgrain_optics::Illuminant;
 use snowgrain_render::description::{IntegratorKind, LightDescription, LightKind};
-use snowgrain_render::light::{direction_of, irradiance_of_disc};
 use std::sync::Arc;
 
 /// Sine of the angle between edges up to which they are parallel.
@@ -24,10 +25,19 @@ const VISIBLE: &str = "visible_to_camera";
 fn keys_of(kind: LightKindName) -> &'static [&'static str] {
     match kind {
         LightKindName::Sky | LightKindName::Uniform | LightKindName::Overcast => &["radiance"],
-        LightKindName::ClearSky => &["strength", "units", "elevation", "azimuth"],
-        LightKindName::Sun | LightKindName::SunSky => {
-            &["strength", "units", "elevation", "azimuth", "angular_diameter"]
+        LightKindName::ClearSky => {
+            &["strength", "units", "elevation", "azimuth", "time", "latitude", "longitude"]
         }
+        LightKindName::Sun | LightKindName::SunSky => &[
+            "strength",
+            "units",
+            "elevation",
+            "azimuth",
+            "time",
+            "latitude",
+            "longitude",
+            "angular_diameter",
+        ],
         LightKindName::Environment => &["file", "strength", "rotation"],
         LightKindName::Sphere => &["radiance", "center", "radius"],
         LightKindName::Quad => &["radiance", "corner", "edges"],
@@ -177,10 +187,10 @@ impl Light<'_> {
             LightKindName::Sky => LightKind::Sky,
             LightKindName::Uniform => LightKind::Uniform,
             LightKindName::Overcast => LightKind::Overcast,
-            LightKindName::ClearSky => return Ok(vec![self.clear_day()?.sky(self)?]),
-            LightKindName::Sun => return Ok(vec![self.clear_day()?.sun(self)?]),
+            LightKindName::ClearSky => return Ok(vec![ClearDay::of(self)?.sky(self)?]),
+            LightKindName::Sun => return Ok(vec![ClearDay::of(self)?.sun(self)?]),
             LightKindName::SunSky => {
-                let day = self.clear_day()?;
+                let day = ClearDay::of(self)?;
                 return Ok(vec![day.sun(self)?, day.sky(self)?]);
             }
             LightKindName::Environment => return Ok(vec![self.environment(read_environment)?]),
@@ -275,8 +285,8 @@ impl Light<'_> {
         };
         let inner_degrees = self.table.inner_angle.unwrap_or(20.0);
         let outer_degrees = self.table.outer_angle.unwrap_or(30.0);
-        if !(inner_degrees >= 0.0) {
-            return Err(self.bad("inner_angle", "must be at least 0 degrees"));
+        if !(0.0..180.0).contains(&inner_degrees) {
+            return Err(self.bad("inner_angle", "must be at least 0 and below 180 degrees"));
         }
         if !(outer_degrees > inner_degrees && outer_degrees <= 180.0) {
             let mend =
@@ -284,70 +294,6 @@ impl Light<'_> {
             return Err(self.bad("outer_angle", &mend));
         }
         Ok(LightKind::Spot { position, direction, inner_degrees, outer_degrees })
-    }
-
-    fn clear_day(&self) -> Result<ClearDay, SceneError> {
-        let mend = "say how high the sun stands, as elevation = 30";
-        let elevation = self.table.elevation;
-        let elevation =
-            elevation.ok_or_else(|| self.checks.missing(&self.key("elevation"), mend))?;
-        if !(elevation > 0.0 && elevation <= 90.0) {
-            let mend =
-                "must be above 0 (the sun below the horizon gives no light) and at most 90 degrees";
-            return Err(self.bad("elevation", mend));
-        }
-        let azimuth = self.table.azimuth.unwrap_or(0.0);
-        let [azimuth] = self.checks.finite(&self.key("azimuth"), [azimuth])?;
-        Ok(ClearDay {
-            direction: direction_of(elevation, azimuth.rem_euclid(360.0)),
-            zenith: 90.0 - elevation,
-        })
-    }
-}
-
-/// Sun and sky of a clear day over snow.
-struct ClearDay {
-    /// Towards the sun.
-    direction: DVec3,
-    /// Zenith angle of the sun, degrees.
-    zenith: f64,
-}
-
-impl ClearDay {
-    fn sun(&self, light: &Light<'_>) -> Result<LightDescription, SceneError> {
-        let diameter = light.table.angular_diameter.unwrap_or(clear_sky::SUN_DIAMETER_DEGREES);
-        if !(diameter >= 1e-3 && diameter <= 90.0) {
-            let mend = "must be 0.001 to 90 degrees (the sun has 0.533)";
-            return Err(light.bad("angular_diameter", mend));
-        }
-        let [across, _] = self.illuminances(light);
-        let strength = self.strength(light, across / irradiance_of_disc(diameter))?;
-        let kind = LightKind::Sun { direction: self.direction, diameter_degrees: diameter };
-        Ok(light.light(kind, strength, Illuminant::Sun(SunZenith::new(self.zenith))))
-    }
-
-    fn sky(&self, light: &Light<'_>) -> Result<LightDescription, SceneError> {
-        let [_, diffuse] = self.illuminances(light);
-        let strength = self.strength(light, diffuse / PI)?;
-        let kind = LightKind::ClearSky { sun: self.direction };
-        Ok(light.light(kind, strength, Illuminant::ClearSky(SunZenith::new(self.zenith))))
-    }
-
-    /// By the sun across its light and by the sky on level ground, in the units of the light.
-    fn illuminances(&self, light: &Light<'_>) -> [f64; 2] {
-        let [across, diffuse] = clear_sky::illuminances(self.zenith);
-        let unit = match light.table.units.unwrap_or_default() {
-            UnitsName::CandelaPerSquareMetre => 1.0,
-            UnitsName::Relative => PI / (across * self.direction.y + diffuse),
-        };
-        [across * unit, diffuse * unit]
-    }
-
-    /// So many times what the table says.
-    fn strength(&self, light: &Light<'_>, times: f64) -> Result<[f32; 3], SceneError> {
-        let Triple(strength) = light.table.strength.unwrap_or(Triple([1.0; 3]));
-        let strength = Triple(strength.map(|strength| strength * times));
-        light.checks.radiance(&light.key("strength"), strength)
     }
 }
 

@@ -8,13 +8,12 @@ use crate::scene::{
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_optics::{
-    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries, SunZenith,
+    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
 };
 use snowgrain_render::description::{
     Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection,
     SceneDescription, SnowDescription,
 };
-use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -148,89 +147,6 @@ fn overrides_change_and_add_values() {
     assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
     assert_eq!(scene.objects[0].name, "a ball");
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0, 2.0, 3.0])]);
-}
-
-#[test]
-fn lamps_have_their_places_and_objects_shine() {
-    let sphere = "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = \"5 cm\"\nradiance = 3";
-    let quad = "[[light]]\nkind = \"quad\"\ncorner = [0, 2, 0]\nedges = [[1, 0, 0], [0, 0, 1]]\n";
-    let object = "[[object]]\nshape = \"box\"\nemission = [1, 2, 3]\nemission_spectrum = \"a\"\n\
-                  instances = [{ translate = [5, 0, 0] }, { translate = [9, 0, 0] }]\n";
-    let scene = read(&format!("{}{quad}{object}", under(sphere)), &[]).unwrap();
-    assert_eq!(scene.objects.len(), 3);
-    let kinds: Vec<_> = scene.lights.iter().map(|light| light.kind.clone()).collect();
-    let expected = [
-        LightKind::Sphere { center: DVec3::Y, radius: 0.05 },
-        LightKind::Quad { corner: DVec3::Y * 2.0, edges: [DVec3::X, DVec3::Z] },
-        LightKind::Object { object: 1 },
-        LightKind::Object { object: 2 },
-    ];
-    assert_eq!(kinds, expected);
-    assert_eq!(scene.lights[0].strength, [3.0; 3]);
-    assert_eq!(scene.lights[2].strength, [1.0, 2.0, 3.0]);
-    assert_eq!(scene.lights[2].spectrum, Illuminant::A);
-    assert!(scene.lights.iter().all(|light| light.group == "lamps"));
-    // A lamp alone is light enough.
-    let dark = LEAST.replace("[[light]]\nkind = \"sky\"\n", "");
-    assert_eq!(read(&format!("{dark}{object}"), &[]).unwrap().lights.len(), 2);
-}
-
-#[test]
-fn maps_of_all_directions_are_read_and_turned() {
-    let light = "kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = -90\nstrength = 2";
-    let scene = read(&under(light), &[]).unwrap();
-    let LightKind::Environment { map, rotation_degrees } = &scene.lights[0].kind else {
-        panic!("{:?}", scene.lights)
-    };
-    assert_eq!((map.width(), *rotation_degrees), (2, 270.0));
-    assert_eq!((scene.lights[0].strength, &*scene.lights[0].group), ([2.0; 3], "environment"));
-}
-
-/// The least scene under another light.
-fn under(light: &str) -> String {
-    LEAST.replace("kind = \"sky\"", light)
-}
-
-#[test]
-fn sun_and_clear_sky_light_white_ground_to_a_radiance_of_one() {
-    for elevation in [90.0, 41.8, 20.0, 3.0] {
-        let light = format!("kind = \"sun-sky\"\nelevation = {elevation}\nazimuth = 90");
-        let scene = read(&under(&light), &[]).unwrap();
-        let [sun, sky] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
-        let LightKind::Sun { direction, diameter_degrees } = sun.kind else { panic!("{sun:?}") };
-        assert_eq!(sky.kind, LightKind::ClearSky { sun: direction });
-        assert!((direction.y - f64::to_radians(elevation).sin()).abs() < 1e-12);
-        assert!(direction.x >= 0.0 && direction.z.abs() < 1e-12);
-        // The irradiance of a disc across its light, and of level ground by a sky of strength pi.
-        let disc = PI * (diameter_degrees * 0.5).to_radians().sin().powi(2);
-        let ground =
-            f64::from(sun.strength[1]) * disc * direction.y / PI + f64::from(sky.strength[1]);
-        assert!((ground - 1.0).abs() < 1e-6, "{elevation}: {ground}");
-        assert_eq!((&*sun.group, &*sky.group), ("sun", "sky"));
-        let zenith = SunZenith::new(90.0 - elevation);
-        assert_eq!(sun.spectrum, Illuminant::Sun(zenith));
-        assert_eq!(sky.spectrum, Illuminant::ClearSky(zenith));
-    }
-}
-
-#[test]
-fn a_real_sun_has_the_luminance_of_a_real_day_and_parts_are_those_of_the_whole() {
-    let of = |kind: &str, more: &str| {
-        let light = format!("kind = \"{kind}\"\nelevation = 60\n{more}");
-        read(&under(&light), &[]).unwrap().lights
-    };
-    let both = of("sun-sky", "units = \"cd/m2\"");
-    assert!((1.3e9..1.9e9).contains(&both[0].strength[0]), "{:?}", both[0]);
-    assert!((2e3..1e4).contains(&both[1].strength[0]), "{:?}", both[1]);
-    assert_eq!(of("sun", "units = \"cd/m2\""), both[..1]);
-    assert_eq!(of("clear-sky", "units = \"cd/m2\""), both[1..]);
-    // A wider sun is dimmer; a tint stays a tint.
-    let wide = of("sun", "angular_diameter = 5.33\nstrength = [2, 1, 1]");
-    let narrow = of("sun", "");
-    assert!((narrow[0].strength[1] / wide[0].strength[1] - 99.93).abs() < 0.1);
-    assert_eq!(wide[0].strength[0], 2.0 * wide[0].strength[1]);
-    let white = of("sun", "spectrum = \"d65\"\ngroup = \"key\"");
-    assert_eq!((white[0].spectrum, &*white[0].group), (Illuminant::D65, "key"));
 }
 
 #[test]
