@@ -122,6 +122,20 @@ pub enum FilmError {
          with --keep ice-paths"
     )]
     NoIcePaths,
+    /// Layers of light that a film cannot have.
+    #[error("these layers of light cannot be kept: {what}")]
+    BadLightLayers {
+        /// What is wrong.
+        what: String,
+    },
+    /// The layers of a sample's light are not all of it; the renderer is at fault.
+    #[error("the layers of a sample of pixel ({x}, {y}) do not add up to its radiance")]
+    LayersNotTheWhole {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+    },
     /// Two pictures that are compared have other primaries.
     #[error(
         "the pictures have different primaries ({ours} and {theirs}); render both with the same \

@@ -12,6 +12,7 @@ pub struct Camera {
     down: DVec3,
     width: f64,
     height: f64,
+    vertical_fov_degrees: f64,
 }
 
 impl Camera {
@@ -32,7 +33,14 @@ impl Camera {
             down: down * half_height,
             width,
             height,
+            vertical_fov_degrees: camera.vertical_fov_degrees,
         }
+    }
+
+    /// Vertical field of view, degrees.
+    #[must_use]
+    pub fn vertical_fov_degrees(&self) -> f64 {
+        self.vertical_fov_degrees
     }
 
     /// The ray through a point of the image in pixels: (0, 0) is the upper left corner,

@@ -48,14 +48,24 @@ pub struct FilmDescription {
     /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
     /// chosen after the render.
     pub keep_ice_paths: bool,
+    /// Whether the film keeps the light of each group of lights apart even where there is only one; where
+    /// there are several it always does.
+    pub keep_light_groups: bool,
 }
 
 impl FilmDescription {
     /// A film of sRGB that keeps nothing but the picture.
     #[must_use]
     pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
-        let primaries = Primaries::Srgb;
-        Self { width, height, samples_per_pixel, seed, primaries, keep_ice_paths: false }
+        Self {
+            width,
+            height,
+            samples_per_pixel,
+            seed,
+            primaries: Primaries::Srgb,
+            keep_ice_paths: false,
+            keep_light_groups: false,
+        }
     }
 }
 
@@ -141,7 +151,18 @@ pub enum LightDescription {
     },
 }
 
+/// The group of lights that name none.
+pub const MAIN_GROUP: &str = "main";
+
 impl LightDescription {
+    /// The group that its light is kept with.
+    #[must_use]
+    pub fn group(&self) -> &str {
+        match self {
+            Self::Sky { .. } | Self::Uniform { .. } => MAIN_GROUP,
+        }
+    }
+
     /// Its spectrum.
     #[must_use]
     pub fn spectrum(&self) -> Illuminant {

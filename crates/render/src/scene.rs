@@ -7,6 +7,7 @@ use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_film::{FilmError, LightLayerNames};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
@@ -65,7 +66,9 @@ pub struct Scene {
     pub environment: Environment,
     /// What turns lengths in ice into colours.
     pub grade: Grade,
-    /// The colours of each spectrum of the environment after any length in ice.
+    /// The layers of light that the film keeps, if it keeps any.
+    pub light_layers: Option<LightLayerNames>,
+    /// The colours of each slot of the environment after any length in ice.
     pub colours: Vec<IceColour>,
     /// The same after lengths in ice of several strata; empty where there are none.
     pub strata_colours: Vec<StrataColour>,
@@ -103,6 +106,8 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
+        let environment = Environment::new(&description.lights, description.camera.backdrop);
+        let light_layers = light_layers(description, &environment)?;
         stage(BuildStage::Surfaces);
         let surfaces = surfaces_of(description).with_level(level);
         let mut report = BuildReport::default();
@@ -110,7 +115,6 @@ impl Scene {
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
-        let environment = Environment::new(&description.lights, description.camera.backdrop);
         let grade = grade(description, &environment);
         Ok(Self {
             hash: hash_scene(description, &digest),
@@ -122,6 +126,7 @@ impl Scene {
             },
             camera: Camera::new(&description.camera, &description.film),
             environment,
+            light_layers,
             colours: grade.colours(),
             strata_colours: grade.strata_colours(&description.strata.loads),
             grade,
@@ -136,11 +141,27 @@ fn grade(description: &SceneDescription, environment: &Environment) -> Grade {
     let ice = &description.ice;
     Grade {
         primaries: description.film.primaries,
-        lights: environment.spectra().to_vec(),
+        lights: environment.spectra(),
         absorption: ice.absorption,
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
     }
+}
+
+/// The layers of light that the film of a scene keeps: where there are several groups of lights, or where
+/// the scene asks for them.
+///
+/// # Errors
+/// Names that a film cannot have, or too many.
+pub(crate) fn light_layers(
+    description: &SceneDescription,
+    environment: &Environment,
+) -> Result<Option<LightLayerNames>, FilmError> {
+    let groups = environment.groups();
+    if groups.len() < 2 && !description.film.keep_light_groups {
+        return Ok(None);
+    }
+    LightLayerNames::new(groups.to_vec(), environment.group_of_slot()).map(Some)
 }
 
 /// Lets all snow of a scene fall and gives its grains (for `snowgrain deposit`).

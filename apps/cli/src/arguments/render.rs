@@ -58,8 +58,9 @@ pub(crate) struct RenderArguments {
     pub(crate) furnace: bool,
 
     /// What .film files keep beside the picture: ice-paths (each pixel's light by length in ice, with
-    /// which develop can change ice and impurities; 768 bytes a pixel)
-    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths"])]
+    /// which develop can change ice and impurities; 768 bytes a pixel) or light-groups (the light of each
+    /// group of lights, which develop can mix; 48 bytes a pixel for each); repeatable
+    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths", "light-groups"])]
     pub(crate) keep: Vec<String>,
 
     /// Adds spectral layers to .exr files, in the layout of Fichet et al. 2021: radiance at

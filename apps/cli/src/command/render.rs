@@ -80,8 +80,14 @@ fn refuse_options_without_file(arguments: &RenderArguments) -> Result<(), Failur
     if arguments.wavelengths.is_some() && !writes(PictureFormat::Exr) {
         return Err(Failure::usage("--wavelengths are layers of .exr files; name one by -o"));
     }
-    if !arguments.keep.is_empty() && !writes(PictureFormat::Film) {
-        return Err(Failure::usage("--keep is for .film files; name one by -o"));
+    let kept = |what: &str| arguments.keep.iter().any(|keep| keep == what);
+    if kept("ice-paths") && !writes(PictureFormat::Film) {
+        return Err(Failure::usage("--keep ice-paths is for .film files; name one by -o"));
+    }
+    if kept("light-groups") && !writes(PictureFormat::Film) && !writes(PictureFormat::Exr) {
+        return Err(Failure::usage(
+            "--keep light-groups is for .film and .exr files; name one by -o",
+        ));
     }
     Ok(())
 }
@@ -117,8 +123,12 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     if let Some(packing) = &arguments.packing {
         changes.push(format!("integrator.packing={packing}"));
     }
-    if !arguments.keep.is_empty() || arguments.wavelengths.is_some() {
-        changes.push("film.keep=[\"ice-paths\"]".into());
+    let mut keep: Vec<&str> = arguments.keep.iter().map(String::as_str).collect();
+    if arguments.wavelengths.is_some() {
+        keep.push("ice-paths");
+    }
+    if !keep.is_empty() {
+        changes.push(format!("film.keep={keep:?}"));
     }
     let mut loaded = load::load(&arguments.scene, changes)?;
     for line in &loaded.assumptions {

@@ -7,6 +7,9 @@
 //! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
 //! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
 //! attributes `spectralLayoutVersion` and `emissiveUnits`.
+//!
+//! The light of each group of lights is in channels `Groups.<name>.R`, `.G` and `.B`, that of glints in
+//! `Glints.R`, `.G` and `.B`; together they add up to R, G and B.
 
 use super::{check_size, picture_fault};
 use crate::atomic;
@@ -20,13 +23,17 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers};
-use snowgrain_film::{Layer, Picture, PixelRect, Provenance, SpectralLayer};
+use snowgrain_film::light_layers::GLINTS;
+use snowgrain_film::{Layer, LightLayer, Picture, PixelRect, Provenance, SpectralLayer};
 use snowgrain_optics::Primaries;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// First bytes of an EXR file.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
+/// Components of a colour, as channels are named.
+const COMPONENTS: [&str; 3] = ["R", "G", "B"];
 
 const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
 const SEED: &str = "seed";
@@ -54,10 +61,16 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
         .spectrum
         .iter()
         .map(|layer| channel(&spectral_name(layer.wavelength_nm), &layer.values));
-    let channels = layers.chain(spectral).collect();
+    let light = picture.light_layers.iter().flat_map(|layer| {
+        let prefix = light_prefix(&layer.name);
+        let values = COMPONENTS.into_iter().zip(&layer.values);
+        values.map(move |(component, values)| channel(&format!("{prefix}.{component}"), values))
+    });
+    let channels = layers.chain(spectral).chain(light).collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
+    attributes.vertical_field_of_view = picture.vertical_fov_degrees.map(|degrees| degrees as f32);
     if let Some(provenance) = &picture.provenance {
         attributes.other.extend(described(provenance));
     }
@@ -97,6 +110,40 @@ fn spectral_wavelength(name: &str) -> Option<f64> {
     let digits = name.strip_prefix("S0.")?.strip_suffix("nm")?;
     let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == ',');
     plain.then(|| digits.replace(',', ".").parse().ok()).flatten()
+}
+
+/// What the channels of a layer of light begin with.
+fn light_prefix(name: &str) -> String {
+    match name {
+        GLINTS => "Glints".into(),
+        name => format!("Groups.{name}"),
+    }
+}
+
+/// The layer and component of such a channel.
+fn light_channel(name: &str) -> Option<(&str, usize)> {
+    let (prefix, component) = name.rsplit_once('.')?;
+    let component = COMPONENTS.iter().position(|&known| known == component)?;
+    let layer = match prefix {
+        "Glints" => GLINTS,
+        prefix => prefix.strip_prefix("Groups.").filter(|&name| name != GLINTS)?,
+    };
+    Some((layer, component))
+}
+
+/// Layers of light of which all components are there: groups in the order of the file, then glints.
+fn light_layers(channels: Vec<(String, usize, Vec<f32>)>) -> Vec<LightLayer> {
+    let mut layers: Vec<LightLayer> = Vec::new();
+    for (name, component, values) in channels {
+        let at = layers.iter().position(|layer| layer.name == name).unwrap_or_else(|| {
+            layers.push(LightLayer { name, values: [const { Vec::new() }; 3] });
+            layers.len() - 1
+        });
+        layers[at].values[component] = values;
+    }
+    layers.retain(|layer| layer.values.iter().all(|values| !values.is_empty()));
+    layers.sort_by_key(|layer| layer.name == GLINTS);
+    layers
 }
 
 fn chromaticities(primaries: Primaries) -> Chromaticities {
@@ -175,6 +222,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
         .map_err(fault)?;
     let part = &image.layer_data;
     let mut picture = empty_picture(&image.attributes, &part.attributes, part.size)?;
+    let mut light = Vec::new();
     for channel in &part.channel_data.list {
         let name = channel.name.to_string();
         if let Some(layer) = Layer::from_name(&name) {
@@ -183,8 +231,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
         } else if let Some(wavelength_nm) = spectral_wavelength(&name) {
             let values = channel.sample_data.values_as_f32().collect();
             picture.spectrum.push(SpectralLayer { wavelength_nm, values });
+        } else if let Some((layer, component)) = light_channel(&name) {
+            let values = channel.sample_data.values_as_f32().collect();
+            light.push((layer.to_owned(), component, values));
         }
     }
+    picture.light_layers = light_layers(light);
+    picture.vertical_fov_degrees = part.attributes.vertical_field_of_view.map(f64::from);
     picture.spectrum.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
     picture.primaries = primaries(image.attributes.chromaticities)?;
     picture.provenance = provenance(&part.attributes);
@@ -267,6 +320,13 @@ mod tests {
         picture.spectrum = [400.0, 555.5, 700.0]
             .map(|nm| SpectralLayer { wavelength_nm: nm, values: vec![nm as f32 * 1e-3; 400] })
             .to_vec();
+        picture.light_layers = ["moon", "sun-and-the-stars-and-x", GLINTS]
+            .map(|name| {
+                let values = [0.0, 0.5, -1e-3].map(|x| vec![x + name.len() as f32; 400]);
+                LightLayer { name: name[..name.len().min(22)].into(), values }
+            })
+            .to_vec();
+        picture.vertical_fov_degrees = Some(22.5);
         let hash = std::array::from_fn(|i| i as u8 * 7);
         picture.provenance =
             Some(Provenance { scene_hash: hash, seed: u64::MAX, samples_per_pixel: 64 });
@@ -286,6 +346,19 @@ mod tests {
         for other in ["S0.nm", "S1.550,0nm", "S0.-5nm", "R", "S0.5,5,5nm"] {
             assert_eq!(spectral_wavelength(other), None, "{other}");
         }
+    }
+
+    #[test]
+    fn layers_of_light_have_channels_of_their_own() {
+        assert_eq!(light_channel("Groups.sun.G"), Some(("sun", 1)));
+        assert_eq!(light_channel("Glints.B"), Some((GLINTS, 2)));
+        for other in ["Groups.sun", "Groups.sun.A", "Albedo.R", "Groups.glints.R", "R"] {
+            assert_eq!(light_channel(other), None, "{other}");
+        }
+        // A layer of which a component is missing is left out.
+        let channel = |component| ("sun".to_owned(), component, vec![1.0]);
+        assert_eq!(light_layers(vec![channel(0), channel(2)]), []);
+        assert_eq!(light_layers((0..3).map(channel).collect()).len(), 1);
     }
 
     #[test]

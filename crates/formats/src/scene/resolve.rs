@@ -98,6 +98,7 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
             PrimariesName::Acescg => Primaries::AcesCg,
         },
         keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
+        keep_light_groups: film.keep.contains(&KeepName::LightGroups),
     })
 }
 

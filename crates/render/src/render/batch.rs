@@ -3,13 +3,15 @@
 use crate::Scene;
 use crate::statistics::Statistics;
 use crate::transport::{PathEnd, PathResult};
-use snowgrain_film::Sample;
+use snowgrain_film::{LightLayerNames, Sample};
 
 /// Samples of one tile that wait to be added to it.
 #[derive(Default)]
 pub(super) struct Batch {
     /// By pixel.
     pub(super) samples: Vec<((u32, u32), Sample)>,
+    /// Where layers of light are kept, of each sample the radiance in each layer.
+    layers: Vec<[f32; 3]>,
     /// Counts of their paths.
     pub(super) statistics: Statistics,
     /// Where ice paths are kept, those that brought light: pixel and length in ice, metres.
@@ -19,13 +21,17 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// The radiance that a path brings to a pixel. Where ice paths are kept it is added to them.
+    /// The radiance that a path brings to a pixel. Where ice paths or layers of light are kept it is added
+    /// to them.
     pub(super) fn add_light(
         &mut self,
         scene: &Scene,
         pixel: (u32, u32),
         path: &PathResult,
     ) -> [f32; 3] {
+        let layers = scene.light_layers.as_ref();
+        let first_layer = self.layers.len();
+        self.layers.resize(first_layer + layers.map_or(0, LightLayerNames::count), [0.0; 3]);
         let PathEnd::Escaped(ray) = path.end else { return [0.0; 3] };
         let (lights, length) = match path.first_hit {
             None => (scene.environment.seen_by_camera(ray.direction), 0.0),
@@ -39,7 +45,10 @@ impl Batch {
                 Some(strata) if in_strata => strata.apply(weight, length, &path.ice_in_strata),
                 _ => colour.apply(weight, length),
             };
-            radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            add(&mut radiance, seen);
+            if let Some(layers) = layers {
+                add(&mut self.layers[first_layer + layers.layer_of_slot()[slot] as usize], seen);
+            }
             if scene.film.keep_ice_paths {
                 self.weights.push(weight);
             }
@@ -48,6 +57,14 @@ impl Batch {
             self.lengths.push((pixel, length));
         }
         radiance
+    }
+
+    /// The samples: pixel, what it is told, and, where layers of light are kept, the radiance in each.
+    pub(super) fn samples(&self) -> impl Iterator<Item = ((u32, u32), &Sample, &[[f32; 3]])> {
+        let count = self.layers.len() / self.samples.len().max(1);
+        let layers_of = move |index: usize| &self.layers[index * count..(index + 1) * count];
+        let samples = self.samples.iter().enumerate();
+        samples.map(move |(index, (pixel, sample))| (*pixel, sample, layers_of(index)))
     }
 
     /// The ice paths that are kept: pixel, length in ice (metres), light of each spectrum before the ice.
@@ -60,8 +77,14 @@ impl Batch {
     /// Forgets all, but not the memory.
     pub(super) fn clear(&mut self) {
         self.samples.clear();
+        self.layers.clear();
         self.lengths.clear();
         self.weights.clear();
         self.statistics = Statistics::default();
     }
+}
+
+/// Adds a radiance to a sum of some.
+fn add(sum: &mut [f32; 3], radiance: [f32; 3]) {
+    sum.iter_mut().zip(radiance).for_each(|(sum, radiance)| *sum += radiance);
 }

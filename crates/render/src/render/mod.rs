@@ -108,6 +108,10 @@ pub fn render_with<T>(
     let crop = settings.crop;
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
     film.grade = scene.grade.clone();
+    film.vertical_fov_degrees = Some(scene.camera.vertical_fov_degrees());
+    if let Some(layers) = &scene.light_layers {
+        film = film.keeping_light_layers(layers.clone())?;
+    }
     if scene.film.keep_ice_paths {
         let lights = scene.environment.spectra().len() as u32;
         let greatest = scene.environment.greatest_radiance();
