@@ -1,6 +1,8 @@
 //! `snowgrain render` as typed.
 
-use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size};
+use super::{
+    DisplayArguments, MachineArguments, PictureFile, ReportArguments, SceneArguments, Size,
+};
 use super::{Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_film::PixelRect;
@@ -23,7 +25,7 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
 
-    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit; refreshed while it
+    /// Where the picture goes, several times if wanted: .png (sRGB; refreshed while it
     /// renders), .exr (scene-linear, all layers) or .film (the exact sums)
     #[arg(short, long, value_name = "FILE", required_unless_present = "dry_run")]
     pub(crate) output: Vec<PictureFile>,
@@ -43,11 +45,6 @@ pub(crate) struct RenderArguments {
     /// Renders only these pixels: columns x0 to x1 - 1, rows y0 to y1 - 1
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop)]
     pub(crate) crop: Option<PixelRect>,
-
-    /// Brightness of PNG files in stops: +1 doubles it
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
-          value_parser = values::finite)]
-    pub(crate) exposure: f64,
 
     /// Stops after the pass over the picture that exceeds this time, counted from the start
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
@@ -77,6 +74,9 @@ pub(crate) struct RenderArguments {
     /// Estimates grains, memory and time; nothing is made or traced
     #[arg(long, conflicts_with = "json_stats")]
     pub(crate) dry_run: bool,
+
+    #[command(flatten)]
+    pub(crate) display: DisplayArguments,
 
     #[command(flatten)]
     pub(crate) machine: MachineArguments,

@@ -25,7 +25,7 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
     refuse_options_without_file(arguments)?;
-    let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    let pictures = Pictures::new(&arguments.output, &arguments.display)?;
     if let Some(path) = &arguments.report.json_stats {
         if arguments.output.iter().any(|picture| picture.path == *path) {
             return Err(Failure::usage("--json-stats and --output name the same file; name two"));
@@ -290,7 +290,7 @@ impl Task<'_> {
             let film = &rendered.film;
             let mut picture = Picture::from_film(film)?;
             if let Some(wavelengths) = &self.arguments.wavelengths {
-                picture.spectrum = spectral_layers(film, &film.grade, &wavelengths.0)?;
+                picture.spectrum = spectral_layers(film, &film.grade, None, &wavelengths.0)?;
             }
             mean_radiance = Some(picture.mean_radiance()?);
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));

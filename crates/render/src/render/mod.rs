@@ -193,6 +193,7 @@ impl<'a> Rendering<'a> {
         }
         let mut picture = Picture::new(self.scene.film.width, self.scene.film.height, crop)?;
         picture.primaries = self.scene.film.primaries;
+        picture.vertical_fov_degrees = Some(self.scene.camera.vertical_fov_degrees());
         for (layer, values) in Layer::COLOUR.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }
