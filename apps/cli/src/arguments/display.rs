@@ -10,7 +10,7 @@ use snowgrain_optics::colour_temperature::KELVIN;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Display (.png files)")]
 pub(crate) struct DisplayArguments {
-    /// Brightness in stops (+1 doubles it), or auto: the median of sunlit snow becomes 220 of 255
+    /// Brightness in stops (+1 doubles it), or auto: the median of sunlit snow becomes 212 of 255
     #[arg(long, value_name = "STOPS|auto", default_value = "0", allow_negative_numbers = true,
           value_parser = exposure)]
     pub(crate) exposure: Exposure,
@@ -114,10 +114,10 @@ fn shoulder(text: &str) -> Result<f64, String> {
 /// A temperature with its unit.
 pub(super) fn kelvin(text: &str) -> Result<f64, String> {
     let [least, greatest] = KELVIN;
-    let digits = text.strip_suffix(['K', 'k']).ok_or("write a temperature as 3200K")?;
-    match finite(digits.trim())? {
-        kelvin if (least..=greatest).contains(&kelvin) => Ok(kelvin),
-        _ => Err(format!("write a temperature from {least}K to {greatest}K")),
+    let kelvin = text.strip_suffix(['K', 'k']).and_then(|digits| finite(digits.trim()).ok());
+    match kelvin {
+        Some(kelvin) if (least..=greatest).contains(&kelvin) => Ok(kelvin),
+        _ => Err(format!("write a temperature as 3200K, from {least}K to {greatest}K")),
     }
 }
 

@@ -38,8 +38,8 @@ impl FromStr for GroupFactor {
 fn colour(text: &str) -> Result<[f64; 3], String> {
     let mend = "write a colour as r,g,b (linear, at least 0), #ffd0a0 or 3200K";
     if let Some(digits) = text.strip_prefix('#') {
-        let code =
-            u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6).ok_or(mend)?;
+        let plain = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+        let code = u32::from_str_radix(digits, 16).ok().filter(|_| plain).ok_or(mend)?;
         let [_, bytes @ ..] = code.to_be_bytes();
         return Ok(bytes.map(|byte| linear_from_srgb(f64::from(byte) / 255.0)));
     }
@@ -66,8 +66,17 @@ mod tests {
         let [red, green, blue] = of("lamp=1,3200K").factor;
         assert!(red > green && green > blue, "{red} {green} {blue}");
         assert!((0.2126 * red + 0.7152 * green + 0.0722 * blue - 1.0).abs() < 1e-3);
-        for bad in ["sun", "sun=", "=1", "sun=-1", "sun=1,#ff", "sun=1,red", "sun=1,1,2", "s=1,9K"]
-        {
+        for bad in [
+            "sun",
+            "sun=",
+            "=1",
+            "sun=-1",
+            "sun=1,#ff",
+            "sun=1,red",
+            "sun=1,1,2",
+            "sun=1,#+fffff",
+            "s=1,9K",
+        ] {
             assert!(bad.parse::<GroupFactor>().is_err(), "{bad}");
         }
     }

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic, in its helpers too")]
 
 mod colours;
+mod develop;
 mod errors;
 mod laboratory;
 mod light_in_snow;

@@ -26,7 +26,7 @@ pub use transfer::{linear_from_srgb, srgb_from_linear};
 pub enum Exposure {
     /// The light is multiplied by 2 to this power.
     Stops(f64),
-    /// Such that the median of the sunlit body (`develop::body`) is shown as 220 of 255.
+    /// Such that the median of the sunlit body (`develop::body`) is shown as 212 of 255.
     Auto,
 }
 
@@ -64,7 +64,7 @@ impl Default for Development {
 }
 
 /// Code of the median of the sunlit body under [`Exposure::Auto`], of 1.
-const BODY_CODE: f64 = 220.0 / 255.0;
+const BODY_CODE: f64 = 212.0 / 255.0;
 
 impl Development {
     /// The picture as it is, times 2 to the power of `stops`, cut off at white.

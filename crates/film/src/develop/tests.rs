@@ -135,3 +135,38 @@ fn a_glint_is_brighter_than_white_by_the_light_around_it() {
         assert!(codes[20 * 41 + 22][0] > plain[20 * 41 + 22][0] + 20, "{glare:?}");
     }
 }
+
+#[test]
+fn every_machine_shows_the_same_bits() {
+    let light = |i: usize| 0.01 * ((i * 7919) % 97) as f32 + if i % 301 == 0 { 400.0 } else { 0.0 };
+    let mut picture = Picture::new(37, 30, PixelRect::new(0, 0, 37, 30)).unwrap();
+    for (layer, tint) in Layer::COLOUR.into_iter().zip([0.7, 0.9, 1.2]) {
+        picture.set_layer(layer, (0..37 * 30).map(|i| tint * light(i)).collect()).unwrap();
+    }
+    picture.vertical_fov_degrees = Some(5.0);
+    let hash = |curve, glare| {
+        let how = Development {
+            exposure: Exposure::Auto,
+            white_balance: WhiteBalance::Kelvin(7500.0),
+            glare,
+            curve,
+            gamut: Gamut::Compress,
+        };
+        // FNV-1a.
+        let values = to_16_bit(&picture, &how).unwrap().values;
+        values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            })
+    };
+    let found = [
+        hash(Curve::AgX, Glare::Eye { strength: 1.0 }),
+        hash(Curve::Filmic, Glare::Lens { strength: 2.0 }),
+        hash(Curve::RollOff { shoulder: 0.7 }, Glare::None),
+    ];
+    let golden: [u64; 3] =
+        [11_888_692_348_508_427_183, 12_610_033_825_833_847_911, 16_680_270_036_314_732_665];
+    assert_eq!(found, golden);
+}
