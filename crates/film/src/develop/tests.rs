@@ -138,7 +138,9 @@ fn a_glint_is_brighter_than_white_by_the_light_around_it() {
 
 #[test]
 fn every_machine_shows_the_same_bits() {
-    let light = |i: usize| 0.01 * ((i * 7919) % 97) as f32 + if i % 301 == 0 { 400.0 } else { 0.0 };
+    let light = |i: usize| {
+        0.01 * ((i * 7919) % 97) as f32 + if i.is_multiple_of(301) { 400.0 } else { 0.0 }
+    };
     let mut picture = Picture::new(37, 30, PixelRect::new(0, 0, 37, 30)).unwrap();
     for (layer, tint) in Layer::COLOUR.into_iter().zip([0.7, 0.9, 1.2]) {
         picture.set_layer(layer, (0..37 * 30).map(|i| tint * light(i)).collect()).unwrap();

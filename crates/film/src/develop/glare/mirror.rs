@@ -149,26 +149,27 @@ fn too_large(pixels: usize) -> FilmError {
 mod tests {
     use super::*;
 
+    /// Distances of a place from a source and from its mirror images beyond both edges.
+    fn distances(place: usize, source: usize, length: usize) -> [usize; 3] {
+        [place.abs_diff(source), place + 1 + source, 2 * length - 1 - source - place]
+    }
+
     /// The convolution as it is defined: every source and its mirror images.
     fn by_hand(width: usize, height: usize, quadrant: &[f64], light: &[f64]) -> Vec<f64> {
-        let images = |n: i64, length: i64| [n, -1 - n, 2 * length - 1 - n];
-        let mut sum = vec![0.0; light.len()];
-        for (index, sum) in sum.iter_mut().enumerate() {
-            let (x, y) = ((index % width) as i64, (index / width) as i64);
+        let received = |index: usize| {
+            let mut sum = 0.0;
             for (source, light) in light.iter().enumerate() {
-                let (u, v) = ((source % width) as i64, (source / width) as i64);
-                for u in images(u, width as i64) {
-                    for v in images(v, height as i64) {
-                        let (dx, dy) =
-                            ((x - u).unsigned_abs() as usize, (y - v).unsigned_abs() as usize);
+                for dx in distances(index % width, source % width, width) {
+                    for dy in distances(index / width, source / width, height) {
                         if dx < width && dy < height {
-                            *sum += light * quadrant[dy * width + dx];
+                            sum += light * quadrant[dy * width + dx];
                         }
                     }
                 }
             }
-        }
-        sum
+            sum
+        };
+        (0..light.len()).map(received).collect()
     }
 
     #[test]
