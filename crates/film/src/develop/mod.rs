@@ -7,7 +7,7 @@
 mod body;
 mod curve;
 mod gamut;
-pub mod glare;
+mod glare;
 mod oklab;
 mod transfer;
 

@@ -11,9 +11,14 @@
 //! The light of each group of lights is in channels `Groups.<name>.R`, `.G` and `.B`, that of glints in
 //! `Glints.R`, `.G` and `.B`; together they add up to R, G and B.
 
+mod channels;
+
 use super::{check_size, picture_fault};
 use crate::atomic;
 use crate::error::{Fault, FormatsError};
+use channels::{
+    COMPONENTS, light_channel, light_layers, light_prefix, spectral_name, spectral_wavelength,
+};
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer as Part};
 use exr::math::Vec2;
@@ -23,17 +28,13 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers};
-use snowgrain_film::light_layers::GLINTS;
-use snowgrain_film::{Layer, LightLayer, Picture, PixelRect, Provenance, SpectralLayer};
+use snowgrain_film::{Layer, Picture, PixelRect, Provenance, SpectralLayer};
 use snowgrain_optics::Primaries;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// First bytes of an EXR file.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
-
-/// Components of a colour, as channels are named.
-const COMPONENTS: [&str; 3] = ["R", "G", "B"];
 
 const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
 const SEED: &str = "seed";
@@ -98,52 +99,6 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
     Ok(with_sorted_attributes(bytes))
-}
-
-/// The channel of a wavelength: the whole and the broken part of nanometres with a comma between.
-fn spectral_name(wavelength_nm: f64) -> String {
-    format!("S0.{}nm", format!("{wavelength_nm:?}").replace('.', ","))
-}
-
-/// The wavelength of such a channel, nm.
-fn spectral_wavelength(name: &str) -> Option<f64> {
-    let digits = name.strip_prefix("S0.")?.strip_suffix("nm")?;
-    let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == ',');
-    plain.then(|| digits.replace(',', ".").parse().ok()).flatten()
-}
-
-/// What the channels of a layer of light begin with.
-fn light_prefix(name: &str) -> String {
-    match name {
-        GLINTS => "Glints".into(),
-        name => format!("Groups.{name}"),
-    }
-}
-
-/// The layer and component of such a channel.
-fn light_channel(name: &str) -> Option<(&str, usize)> {
-    let (prefix, component) = name.rsplit_once('.')?;
-    let component = COMPONENTS.iter().position(|&known| known == component)?;
-    let layer = match prefix {
-        "Glints" => GLINTS,
-        prefix => prefix.strip_prefix("Groups.").filter(|&name| name != GLINTS)?,
-    };
-    Some((layer, component))
-}
-
-/// Layers of light of which all components are there: groups in the order of the file, then glints.
-fn light_layers(channels: Vec<(String, usize, Vec<f32>)>) -> Vec<LightLayer> {
-    let mut layers: Vec<LightLayer> = Vec::new();
-    for (name, component, values) in channels {
-        let at = layers.iter().position(|layer| layer.name == name).unwrap_or_else(|| {
-            layers.push(LightLayer { name, values: [const { Vec::new() }; 3] });
-            layers.len() - 1
-        });
-        layers[at].values[component] = values;
-    }
-    layers.retain(|layer| layer.values.iter().all(|values| !values.is_empty()));
-    layers.sort_by_key(|layer| layer.name == GLINTS);
-    layers
 }
 
 fn chromaticities(primaries: Primaries) -> Chromaticities {
@@ -308,6 +263,8 @@ fn provenance(attributes: &LayerAttributes) -> Option<Provenance> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use snowgrain_film::LightLayer;
+    use snowgrain_film::light_layers::GLINTS;
 
     fn picture() -> Picture {
         let window = PixelRect::new(3, 2, 13, 42);
@@ -336,29 +293,6 @@ mod tests {
     #[test]
     fn layers_windows_and_provenance_come_back_exactly() {
         assert_eq!(decode(&encode(&picture()).unwrap()).unwrap(), picture());
-    }
-
-    #[test]
-    fn spectral_channels_are_named_by_their_wavelength() {
-        assert_eq!(spectral_name(550.0), "S0.550,0nm");
-        assert_eq!(spectral_name(412.25), "S0.412,25nm");
-        assert_eq!(spectral_wavelength("S0.412,25nm"), Some(412.25));
-        for other in ["S0.nm", "S1.550,0nm", "S0.-5nm", "R", "S0.5,5,5nm"] {
-            assert_eq!(spectral_wavelength(other), None, "{other}");
-        }
-    }
-
-    #[test]
-    fn layers_of_light_have_channels_of_their_own() {
-        assert_eq!(light_channel("Groups.sun.G"), Some(("sun", 1)));
-        assert_eq!(light_channel("Glints.B"), Some((GLINTS, 2)));
-        for other in ["Groups.sun", "Groups.sun.A", "Albedo.R", "Groups.glints.R", "R"] {
-            assert_eq!(light_channel(other), None, "{other}");
-        }
-        // A layer of which a component is missing is left out.
-        let channel = |component| ("sun".to_owned(), component, vec![1.0]);
-        assert_eq!(light_layers(vec![channel(0), channel(2)]), []);
-        assert_eq!(light_layers((0..3).map(channel).collect()).len(), 1);
     }
 
     #[test]

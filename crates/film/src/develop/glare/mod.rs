@@ -1,7 +1,7 @@
 //! Glare: light that spreads in the eye or in a lens, so that a glint looks brighter than white.
 //!
 //! Light is only moved: what a pixel scatters is taken from it, and what would leave the picture, or fall farther
-//! than its width or height, stays where it is or comes back mirrored ([`mirror`]). So the energy of the
+//! than its width or height, stays where it is or comes back mirrored. So the energy of the
 //! picture is kept, and a constant picture stays as it is.
 
 mod eye;
