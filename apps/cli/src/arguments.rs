@@ -3,6 +3,8 @@
 mod compare;
 mod deposit;
 mod develop;
+mod display;
+mod groups;
 mod laboratory_values;
 mod measure;
 mod optics;
@@ -20,6 +22,8 @@ use std::process::ExitCode;
 pub(crate) use compare::CompareArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
+pub(crate) use display::{Bits, DisplayArguments};
+pub(crate) use groups::GroupFactor;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,

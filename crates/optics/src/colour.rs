@@ -151,6 +151,14 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
+/// The matrix that adapts tristimulus values from one white to another, by the cones of Bradford (Lam 1985;
+/// ICC.1:2022, annex E).
+#[must_use]
+pub fn bradford(from: DVec3, to: DVec3) -> DMat3 {
+    let [from, to] = [from, to].map(|white| BRADFORD * white);
+    BRADFORD.inverse() * DMat3::from_diagonal(to / from) * BRADFORD
+}
+
 /// Sets of primaries for pictures, linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Primaries {
@@ -206,9 +214,7 @@ impl Primaries {
             }
             Self::AcesCg => {
                 let white = self.to_xyz() * DVec3::ONE;
-                let [from, to] = [daylight, white].map(|white| BRADFORD * white);
-                let adapted = BRADFORD.inverse() * DMat3::from_diagonal(to / from) * BRADFORD;
-                self.to_xyz().inverse() * adapted
+                self.to_xyz().inverse() * bradford(daylight, white)
             }
         }
     }

@@ -14,6 +14,7 @@
 
 pub mod clear_sky;
 pub mod colour;
+pub mod colour_temperature;
 pub mod dielectric;
 pub mod fresnel;
 pub mod grade;

@@ -53,20 +53,23 @@ pub struct FilmDescription {
     pub keep_ice_paths: bool,
     /// Exposure at which the picture is meant to be shown, stops; it changes no sums.
     pub exposure_stops: f64,
+    /// Whether the film keeps the light of each group of lights apart even where there is only one; where
+    /// there are several it always does.
+    pub keep_light_groups: bool,
 }
 
 impl FilmDescription {
     /// A film of sRGB that keeps nothing but the picture.
     #[must_use]
     pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
-        let primaries = Primaries::Srgb;
         Self {
             width,
             height,
             samples_per_pixel,
             seed,
-            primaries,
+            primaries: Primaries::Srgb,
             keep_ice_paths: false,
+            keep_light_groups: false,
             exposure_stops: 0.0,
         }
     }

@@ -6,6 +6,7 @@ use crate::description::{
     SnowDescription,
 };
 use crate::light::slots_of;
+use crate::scene;
 use core::f64::consts::PI;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
@@ -110,20 +111,23 @@ impl CostEstimate {
             let noted = (cost.grains as f64 * BYTES_PER_NOTED_GRAIN) as u64;
             cost.building_bytes = cost.building_bytes.saturating_add(noted);
         }
-        let kept = PixelSums::BYTES as u64 + Self::ice_path_bytes(description);
+        let kept = PixelSums::BYTES as u64 + Self::kept_bytes(description);
         cost.film_bytes = crop.area() * (FILMS * kept + PICTURE_BYTES_PER_PIXEL);
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
         cost
     }
 
-    /// Bytes a pixel of the light by length in ice, where the film keeps it.
-    fn ice_path_bytes(description: &SceneDescription) -> u64 {
-        if !description.film.keep_ice_paths {
-            return 0;
-        }
+    /// Bytes a pixel of what the film keeps beside its sums.
+    fn kept_bytes(description: &SceneDescription) -> u64 {
         let slots = slots_of(&description.lights, description.camera.backdrop);
-        IcePathLayout::for_radiance(slots.len() as u32, 1.0).bytes()
+        // Layers that a film cannot have are refused when the scene is built.
+        let layers = scene::light_layers(description, &slots).ok().flatten();
+        let layers = layers.map_or(0, |layers| layers.bytes());
+        if !description.film.keep_ice_paths {
+            return layers;
+        }
+        layers + IcePathLayout::for_radiance(slots.len() as u32, 1.0).bytes()
     }
 
     /// The memory of so many grains that fall and are packed, whatever lies around them.
@@ -421,7 +425,7 @@ mod tests {
     }
 
     #[test]
-    fn strata_and_ice_paths_are_counted() {
+    fn strata_ice_paths_and_layers_of_light_are_counted() {
         let soot = Impurity { kind: ImpurityKind::BlackCarbon, load: Load::MassFraction(1e-6) };
         let mut snow = scene(vec![table()], vec![lattice([9; 3], None)]);
         let plain = CostEstimate::of(&snow, CROP);
@@ -430,6 +434,9 @@ mod tests {
         let more = CostEstimate::of(&snow, CROP);
         assert_eq!(more.building_bytes - plain.building_bytes, 729 * 45);
         assert_eq!(more.film_bytes - plain.film_bytes, CROP.area() * FILMS * 768);
+        snow.film.keep_light_groups = true;
+        let layers = CostEstimate::of(&snow, CROP);
+        assert_eq!(layers.film_bytes - more.film_bytes, CROP.area() * FILMS * 48);
     }
 
     #[test]

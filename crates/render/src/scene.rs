@@ -2,12 +2,13 @@
 
 use crate::camera::Camera;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
-use crate::light::{LightSlot, Lights, LitSurfaces};
+use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
 use crate::transport::seek::{LightSearch, Sought};
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
@@ -68,6 +69,9 @@ pub struct Scene {
     pub lights: Lights,
     /// What turns lengths in ice into colours.
     pub grade: Grade,
+    /// The layers of light that the film keeps, if it keeps any, and which of them is that of glints.
+    pub light_layers: Option<LightLayerNames>,
+    pub glint_layer: Option<usize>,
     /// The colours of each slot of the lights after any length in ice.
     pub colours: Vec<IceColour>,
     /// The same after lengths in ice of several strata; empty where there are none.
@@ -108,6 +112,11 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
+        let slots = slots_of(&description.lights, description.camera.backdrop);
+        let light_layers = light_layers(description, &slots)?;
+        let is_glints = |name: &String| name == GLINTS;
+        let glint_layer =
+            light_layers.as_ref().and_then(|layers| layers.names().iter().position(is_glints));
         stage(BuildStage::Surfaces);
         let objects = surfaces_of(description).with_level(level);
         let bounds = objects.bounds();
@@ -154,6 +163,8 @@ impl Scene {
             camera,
             lights,
             search,
+            light_layers,
+            glint_layer,
             colours: grade.colours(),
             strata_colours: grade.strata_colours(&description.strata.loads),
             grade,
@@ -182,6 +193,35 @@ fn grade(description: &SceneDescription, slots: &[LightSlot]) -> Grade {
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
         exposure_stops: description.film.exposure_stops,
     }
+}
+
+/// The layers of light that the film of a scene keeps: where there are several groups of lights, or where
+/// the scene asks for them.
+///
+/// # Errors
+/// Names that a film cannot have, or too many.
+pub(crate) fn light_layers(
+    description: &SceneDescription,
+    slots: &[LightSlot],
+) -> Result<Option<LightLayerNames>, FilmError> {
+    let mut names: Vec<String> = Vec::new();
+    let mut layer_of_slot = Vec::new();
+    for slot in slots {
+        let known = names.iter().position(|name| *name == slot.group);
+        layer_of_slot.push(known.unwrap_or(names.len()) as u32);
+        if known.is_none() {
+            names.push(slot.group.clone());
+        }
+    }
+    let searched = description.light_finding != LightFinding::Exact;
+    if searched && !description.film.keep_ice_paths {
+        names.push(GLINTS.to_owned());
+    }
+    let lit = names.iter().filter(|name| *name != BACKDROP_GROUP).count();
+    if lit < 2 && !description.film.keep_light_groups {
+        return Ok(None);
+    }
+    LightLayerNames::new(names, layer_of_slot).map(Some)
 }
 
 /// Lets all snow of a scene fall and gives its grains (for `snowgrain deposit`).

@@ -134,7 +134,7 @@ fn ice_cannot_be_changed_in_a_film_that_keeps_no_ice_paths_but_primaries_can() {
     let picture = Picture::graded(&film, &aces).unwrap();
     assert!(picture.layer(Layer::VarianceR).is_none());
     assert_eq!(picture.primaries, Primaries::AcesCg);
-    assert_eq!(spectral_layers(&film, &clear, &[550.0]), Err(FilmError::NoIcePaths));
+    assert_eq!(spectral_layers(&film, &clear, None, &[550.0]), Err(FilmError::NoIcePaths));
 }
 
 /// A spectral layer is the picture that ice of that wavelength's absorption gives.
@@ -145,7 +145,7 @@ fn spectral_layers_are_pictures_of_single_wavelengths() {
     let spp = samples(64, 512);
     let film = rendered(&description, spp);
     let wavelengths = [400.0, 550.0, 700.0];
-    let layers = spectral_layers(&film, &film.grade, &wavelengths).unwrap();
+    let layers = spectral_layers(&film, &film.grade, None, &wavelengths).unwrap();
     for (layer, wavelength) in layers.iter().zip(wavelengths) {
         let mut single = description.clone();
         single.ice.absorption = Absorption::Grey(IceAbsorption::default().per_metre(wavelength));

@@ -1,6 +1,8 @@
 //! `snowgrain render` as typed.
 
-use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size};
+use super::{
+    DisplayArguments, MachineArguments, PictureFile, ReportArguments, SceneArguments, Size,
+};
 use super::{Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_film::PixelRect;
@@ -26,7 +28,7 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
 
-    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit; refreshed while it
+    /// Where the picture goes, several times if wanted: .png (sRGB; refreshed while it
     /// renders), .exr (scene-linear, all layers) or .film (the exact sums)
     #[arg(short, long, value_name = "FILE", required_unless_present = "dry_run")]
     pub(crate) output: Vec<PictureFile>,
@@ -52,11 +54,6 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "VIEW", value_parser = values::view)]
     pub(crate) view: Option<View>,
 
-    /// Brightness of PNG files in stops: +1 doubles it
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
-          value_parser = values::finite)]
-    pub(crate) exposure: f64,
-
     /// Stops after the pass over the picture that exceeds this time, counted from the start
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub(crate) time_limit: Option<Duration>,
@@ -66,8 +63,9 @@ pub(crate) struct RenderArguments {
     pub(crate) furnace: bool,
 
     /// What .film files keep beside the picture: ice-paths (each pixel's light by length in ice, with
-    /// which develop can change ice and impurities; 768 bytes a pixel)
-    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths"])]
+    /// which develop can change ice and impurities; 768 bytes a pixel) or light-groups (the light of each
+    /// group of lights, which develop can mix; 48 bytes a pixel for each); repeatable
+    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths", "light-groups"])]
     pub(crate) keep: Vec<String>,
 
     /// Adds spectral layers to .exr files, in the layout of Fichet et al. 2021: radiance at
@@ -84,6 +82,9 @@ pub(crate) struct RenderArguments {
     /// Estimates grains, memory and time; nothing is made or traced
     #[arg(long, conflicts_with = "json_stats")]
     pub(crate) dry_run: bool,
+
+    #[command(flatten)]
+    pub(crate) display: DisplayArguments,
 
     #[command(flatten)]
     pub(crate) machine: MachineArguments,

@@ -1,10 +1,11 @@
 //! The files that a picture goes to.
 
-use crate::arguments::{PictureFile, PictureFormat};
+use crate::arguments::{Bits, DisplayArguments, PictureFile, PictureFormat};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::signals::Interrupts;
-use snowgrain_film::{Film, Picture, develop};
+use snowgrain_film::develop::{self, Development, Exposure};
+use snowgrain_film::{Film, Picture};
 use snowgrain_formats::{atomic, image, write_film};
 use snowgrain_render::Rendering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -22,18 +23,32 @@ const LOOK: Duration = Duration::from_millis(20);
 /// The files that a picture goes to.
 pub(super) struct Pictures<'a> {
     files: &'a [PictureFile],
-    /// Stops.
-    exposure: f64,
+    development: Development,
+    bits: Bits,
 }
 
 impl<'a> Pictures<'a> {
     /// # Errors
-    /// A file that cannot be created.
-    pub(super) fn new(files: &'a [PictureFile], exposure: f64) -> Result<Self, Failure> {
+    /// A file that cannot be created, or options of the display that do not go together.
+    pub(super) fn new(
+        files: &'a [PictureFile],
+        display: &DisplayArguments,
+    ) -> Result<Self, Failure> {
+        let development = display.development()?;
         for file in files {
             atomic::check_writable_target(&file.path)?;
         }
-        Ok(Self { files, exposure })
+        Ok(Self { files, development, bits: display.bits })
+    }
+
+    /// The exposure that is found for a picture, stops, where it is automatic and shows.
+    pub(super) fn automatic_stops(&self, picture: &Picture) -> Result<Option<f64>, Failure> {
+        match self.development.exposure {
+            Exposure::Auto if self.shown().next().is_some() => {
+                Ok(Some(self.development.stops(picture)?))
+            }
+            Exposure::Auto | Exposure::Stops(_) => Ok(None),
+        }
     }
 
     /// Writes every file; the first failure is told after all were tried.
@@ -63,7 +78,11 @@ impl<'a> Pictures<'a> {
     }
 
     fn write_png(&self, file: &PictureFile, picture: &Picture) -> Result<(), Failure> {
-        image::write_png_8(&file.path, &develop::to_8_bit(picture, self.exposure)?)?;
+        let how = &self.development;
+        match self.bits {
+            Bits::Eight => image::write_png_8(&file.path, &develop::to_8_bit(picture, how)?)?,
+            Bits::Sixteen => image::write_png_16(&file.path, &develop::to_16_bit(picture, how)?)?,
+        }
         Ok(())
     }
 

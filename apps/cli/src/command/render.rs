@@ -25,7 +25,7 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
     refuse_options_without_file(arguments)?;
-    let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    let pictures = Pictures::new(&arguments.output, &arguments.display)?;
     if let Some(path) = &arguments.report.json_stats {
         if arguments.output.iter().any(|picture| picture.path == *path) {
             return Err(Failure::usage("--json-stats and --output name the same file; name two"));
@@ -80,8 +80,14 @@ fn refuse_options_without_file(arguments: &RenderArguments) -> Result<(), Failur
     if arguments.wavelengths.is_some() && !writes(PictureFormat::Exr) {
         return Err(Failure::usage("--wavelengths are layers of .exr files; name one by -o"));
     }
-    if !arguments.keep.is_empty() && !writes(PictureFormat::Film) {
-        return Err(Failure::usage("--keep is for .film files; name one by -o"));
+    let kept = |what: &str| arguments.keep.iter().any(|keep| keep == what);
+    if kept("ice-paths") && !writes(PictureFormat::Film) {
+        return Err(Failure::usage("--keep ice-paths is for .film files; name one by -o"));
+    }
+    if kept("light-groups") && !writes(PictureFormat::Film) && !writes(PictureFormat::Exr) {
+        return Err(Failure::usage(
+            "--keep light-groups is for .film and .exr files; name one by -o",
+        ));
     }
     Ok(())
 }
@@ -117,8 +123,12 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     if let Some(packing) = &arguments.packing {
         changes.push(format!("integrator.packing={packing}"));
     }
-    if !arguments.keep.is_empty() || arguments.wavelengths.is_some() {
-        changes.push("film.keep=[\"ice-paths\"]".into());
+    let mut keep: Vec<&str> = arguments.keep.iter().map(String::as_str).collect();
+    if arguments.wavelengths.is_some() {
+        keep.push("ice-paths");
+    }
+    if !keep.is_empty() {
+        changes.push(format!("film.keep={keep:?}"));
     }
     let mut loaded = load::load(&arguments.scene, changes)?;
     for line in &loaded.assumptions {
@@ -286,7 +296,7 @@ impl Task<'_> {
             let film = &rendered.film;
             let mut picture = Picture::from_film(film)?;
             if let Some(wavelengths) = &self.arguments.wavelengths {
-                picture.spectrum = spectral_layers(film, &film.grade, &wavelengths.0)?;
+                picture.spectrum = spectral_layers(film, &film.grade, None, &wavelengths.0)?;
             }
             mean_radiance = Some(picture.mean_radiance()?);
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));

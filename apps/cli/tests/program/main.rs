@@ -4,6 +4,7 @@
 
 mod cameras;
 mod colours;
+mod develop;
 mod errors;
 mod laboratory;
 mod light_in_snow;

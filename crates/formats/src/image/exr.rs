@@ -7,10 +7,18 @@
 //! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
 //! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
 //! attributes `spectralLayoutVersion` and `emissiveUnits`.
+//!
+//! The light of each group of lights is in channels `Groups.<name>.R`, `.G` and `.B`, that of glints in
+//! `Glints.R`, `.G` and `.B`; together they add up to R, G and B.
+
+mod channels;
 
 use super::{check_size, picture_fault};
 use crate::atomic;
 use crate::error::{Fault, FormatsError};
+use channels::{
+    COMPONENTS, light_channel, light_layers, light_prefix, spectral_name, spectral_wavelength,
+};
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer as Part};
 use exr::math::Vec2;
@@ -55,10 +63,16 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
         .spectrum
         .iter()
         .map(|layer| channel(&spectral_name(layer.wavelength_nm), &layer.values));
-    let channels = layers.chain(spectral).collect();
+    let light = picture.light_layers.iter().flat_map(|layer| {
+        let prefix = light_prefix(&layer.name);
+        let values = COMPONENTS.into_iter().zip(&layer.values);
+        values.map(move |(component, values)| channel(&format!("{prefix}.{component}"), values))
+    });
+    let channels = layers.chain(spectral).chain(light).collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
+    attributes.vertical_field_of_view = picture.vertical_fov_degrees.map(|degrees| degrees as f32);
     if let Some(provenance) = &picture.provenance {
         attributes.other.extend(described(provenance));
     }
@@ -90,18 +104,6 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
     Ok(with_sorted_attributes(bytes))
-}
-
-/// The channel of a wavelength: the whole and the broken part of nanometres with a comma between.
-fn spectral_name(wavelength_nm: f64) -> String {
-    format!("S0.{}nm", format!("{wavelength_nm:?}").replace('.', ","))
-}
-
-/// The wavelength of such a channel, nm.
-fn spectral_wavelength(name: &str) -> Option<f64> {
-    let digits = name.strip_prefix("S0.")?.strip_suffix("nm")?;
-    let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == ',');
-    plain.then(|| digits.replace(',', ".").parse().ok()).flatten()
 }
 
 fn chromaticities(primaries: Primaries) -> Chromaticities {
@@ -180,6 +182,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
         .map_err(fault)?;
     let part = &image.layer_data;
     let mut picture = empty_picture(&image.attributes, &part.attributes, part.size)?;
+    let mut light = Vec::new();
     for channel in &part.channel_data.list {
         let name = channel.name.to_string();
         if let Some(layer) = Layer::from_name(&name) {
@@ -188,8 +191,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
         } else if let Some(wavelength_nm) = spectral_wavelength(&name) {
             let values = channel.sample_data.values_as_f32().collect();
             picture.spectrum.push(SpectralLayer { wavelength_nm, values });
+        } else if let Some((layer, component)) = light_channel(&name) {
+            let values = channel.sample_data.values_as_f32().collect();
+            light.push((layer.to_owned(), component, values));
         }
     }
+    picture.light_layers = light_layers(light);
+    picture.vertical_fov_degrees = part.attributes.vertical_field_of_view.map(f64::from);
     picture.spectrum.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
     picture.primaries = primaries(image.attributes.chromaticities)?;
     picture.exposure_stops = exposure(&part.attributes);
@@ -326,6 +334,8 @@ fn provenance(attributes: &LayerAttributes) -> Option<Provenance> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use snowgrain_film::LightLayer;
+    use snowgrain_film::light_layers::GLINTS;
 
     fn picture() -> Picture {
         let window = PixelRect::new(3, 2, 13, 42);
@@ -338,6 +348,13 @@ mod tests {
         picture.spectrum = [400.0, 555.5, 700.0]
             .map(|nm| SpectralLayer { wavelength_nm: nm, values: vec![nm as f32 * 1e-3; 400] })
             .to_vec();
+        picture.light_layers = ["moon", "sun-and-the-stars-and-x", GLINTS]
+            .map(|name| {
+                let values = [0.0, 0.5, -1e-3].map(|x| vec![x + name.len() as f32; 400]);
+                LightLayer { name: name[..name.len().min(22)].into(), values }
+            })
+            .to_vec();
+        picture.vertical_fov_degrees = Some(22.5);
         let hash = std::array::from_fn(|i| i as u8 * 7);
         picture.exposure_stops = -15.25;
         picture.provenance =
@@ -348,16 +365,6 @@ mod tests {
     #[test]
     fn layers_windows_and_provenance_come_back_exactly() {
         assert_eq!(decode(&encode(&picture()).unwrap()).unwrap(), picture());
-    }
-
-    #[test]
-    fn spectral_channels_are_named_by_their_wavelength() {
-        assert_eq!(spectral_name(550.0), "S0.550,0nm");
-        assert_eq!(spectral_name(412.25), "S0.412,25nm");
-        assert_eq!(spectral_wavelength("S0.412,25nm"), Some(412.25));
-        for other in ["S0.nm", "S1.550,0nm", "S0.-5nm", "R", "S0.5,5,5nm"] {
-            assert_eq!(spectral_wavelength(other), None, "{other}");
-        }
     }
 
     #[test]

@@ -62,9 +62,11 @@ pub struct FilmTable {
     /// Primaries of the picture: "srgb" or "acescg"; default "srgb". All colours in a scene are of
     /// sRGB whatever they are.
     pub primaries: PrimariesName,
-    /// What a .film file keeps beside the picture: ["ice-paths"], each pixel's light by length in
+    /// What a .film file keeps beside the picture: "ice-paths", each pixel's light by length in
     /// ice, so that ice and impurities can be chosen after the render (768 bytes a pixel for each
-    /// group and spectrum of lights); default [], nothing.
+    /// group and spectrum of lights); "light-groups", the light of each group of lights, so that they can
+    /// be mixed after the render (48 bytes a pixel for each group; always kept where there are several);
+    /// default [], nothing.
     pub keep: Vec<KeepName>,
 }
 
@@ -85,6 +87,8 @@ pub enum PrimariesName {
 pub enum KeepName {
     /// Light by length in ice.
     IcePaths,
+    /// Light by group of lights.
+    LightGroups,
 }
 
 impl Default for FilmTable {

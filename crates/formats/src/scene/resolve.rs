@@ -144,6 +144,7 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
         },
         keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
         exposure_stops: camera::exposure_stops(checks)?,
+        keep_light_groups: film.keep.contains(&KeepName::LightGroups),
     })
 }
 

@@ -136,6 +136,18 @@ impl Camera {
         }
     }
 
+    /// Vertical field of view, degrees; `None` where rays are parallel.
+    #[must_use]
+    pub fn vertical_fov_degrees(&self) -> Option<f64> {
+        match self.rays {
+            Rays::Pinhole | Rays::Lens { .. } => {
+                let half = trig::atan2(self.down.length(), 1.0);
+                Some(2.0 * half.to_degrees())
+            }
+            Rays::Parallel => None,
+        }
+    }
+
     /// What the rays from one place of the lens have in common.
     #[must_use]
     pub fn bundle(&self, lens: [f64; 2]) -> Bundle {

@@ -4,13 +4,15 @@ use crate::Scene;
 use crate::statistics::Statistics;
 use crate::transport::{Contribution, PathEnd, PathResult};
 use snowgrain_accel::STRATA;
-use snowgrain_film::Sample;
+use snowgrain_film::{LightLayerNames, Sample};
 
 /// Samples of one tile that wait to be added to it.
 #[derive(Default)]
 pub(super) struct Batch {
     /// By pixel.
     pub(super) samples: Vec<((u32, u32), Sample)>,
+    /// Where layers of light are kept, of each sample the radiance in each layer.
+    layers: Vec<[f32; 3]>,
     /// Counts of their paths.
     pub(super) statistics: Statistics,
     /// Where ice paths are kept, those that brought light: pixel and length in ice, metres.
@@ -22,7 +24,8 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// The radiance that a path brings to a pixel. Where ice paths are kept it is added to them.
+    /// The radiance that a path brings to a pixel. Where ice paths or layers of light are kept it is added
+    /// to them.
     pub(super) fn add_light(
         &mut self,
         scene: &Scene,
@@ -30,8 +33,11 @@ impl Batch {
         path: &PathResult,
         found: &[Contribution],
     ) -> [f32; 3] {
+        let layers = scene.light_layers.as_ref();
+        let first_layer = self.layers.len();
+        self.layers.resize(first_layer + layers.map_or(0, LightLayerNames::count), [0.0; 3]);
         if scene.search.is_some() && path.first_hit.is_some() {
-            return self.add_found(scene, pixel, found);
+            return self.add_found(scene, pixel, first_layer, found);
         }
         self.lights.clear();
         self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
@@ -57,7 +63,10 @@ impl Batch {
             }
             let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
             let seen = colour_of(scene, slot, weight, length, &path.ice_in_strata);
-            radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            add(&mut radiance, seen);
+            if let Some(layers) = layers {
+                add(&mut self.layers[first_layer + layers.layer_of_slot()[slot] as usize], seen);
+            }
             if scene.film.keep_ice_paths {
                 self.weights.push(weight);
             }
@@ -69,11 +78,22 @@ impl Batch {
     }
 
     /// The radiance of all light that was found along a path.
-    fn add_found(&mut self, scene: &Scene, pixel: (u32, u32), found: &[Contribution]) -> [f32; 3] {
+    fn add_found(
+        &mut self,
+        scene: &Scene,
+        pixel: (u32, u32),
+        first_layer: usize,
+        found: &[Contribution],
+    ) -> [f32; 3] {
         let mut radiance = [0.0; 3];
-        for &Contribution { slot, weight, ice_length, ref ice_in_strata, .. } in found {
+        for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata } in found {
             let seen = colour_of(scene, slot, weight, ice_length, ice_in_strata);
-            radiance.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+            add(&mut radiance, seen);
+            if let Some(layers) = &scene.light_layers {
+                let own = layers.layer_of_slot()[slot] as usize;
+                let layer = scene.glint_layer.filter(|_| glint).unwrap_or(own);
+                add(&mut self.layers[first_layer + layer], seen);
+            }
             if scene.film.keep_ice_paths {
                 let slots = scene.lights.slots().len();
                 let weights = (0..slots).map(|other| if other == slot { weight } else { [0.0; 3] });
@@ -82,6 +102,14 @@ impl Batch {
             }
         }
         radiance
+    }
+
+    /// The samples: pixel, what it is told, and, where layers of light are kept, the radiance in each.
+    pub(super) fn samples(&self) -> impl Iterator<Item = ((u32, u32), &Sample, &[[f32; 3]])> {
+        let count = self.layers.len() / self.samples.len().max(1);
+        let layers_of = move |index: usize| &self.layers[index * count..(index + 1) * count];
+        let samples = self.samples.iter().enumerate();
+        samples.map(move |(index, (pixel, sample))| (*pixel, sample, layers_of(index)))
     }
 
     /// The ice paths that are kept: pixel, length in ice (metres), light of each slot before the ice.
@@ -94,6 +122,7 @@ impl Batch {
     /// Forgets all, but not the memory.
     pub(super) fn clear(&mut self) {
         self.samples.clear();
+        self.layers.clear();
         self.lengths.clear();
         self.weights.clear();
         self.statistics = Statistics::default();
@@ -114,4 +143,9 @@ fn colour_of(
         }
         _ => scene.colours[slot].apply(weight, length),
     }
+}
+
+/// Adds a radiance to a sum of some.
+fn add(sum: &mut [f32; 3], radiance: [f32; 3]) {
+    sum.iter_mut().zip(radiance).for_each(|(sum, radiance)| *sum += radiance);
 }

@@ -109,6 +109,10 @@ pub fn render_with<T>(
     let crop = settings.crop;
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
     film.grade = scene.grade.clone();
+    film.vertical_fov_degrees = scene.camera.vertical_fov_degrees();
+    if let Some(layers) = &scene.light_layers {
+        film = film.keeping_light_layers(layers.clone())?;
+    }
     if scene.film.keep_ice_paths {
         let lights = scene.lights.slots().len() as u32;
         let greatest = scene.lights.greatest_radiance();
@@ -199,6 +203,7 @@ impl<'a> Rendering<'a> {
         let mut picture = Picture::new(self.scene.film.width, self.scene.film.height, crop)?;
         picture.primaries = self.scene.film.primaries;
         picture.exposure_stops = self.scene.film.exposure_stops;
+        picture.vertical_fov_degrees = self.scene.camera.vertical_fov_degrees();
         for (layer, values) in Layer::COLOUR.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }
