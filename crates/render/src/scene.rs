@@ -69,8 +69,9 @@ pub struct Scene {
     pub lights: Lights,
     /// What turns lengths in ice into colours.
     pub grade: Grade,
-    /// The layers of light that the film keeps, if it keeps any, and which of them is that of glints.
+    /// The layers of light that the film keeps, if it keeps any.
     pub light_layers: Option<LightLayerNames>,
+    /// Which of them is that of glints.
     pub glint_layer: Option<usize>,
     /// The colours of each slot of the lights after any length in ice.
     pub colours: Vec<IceColour>,

@@ -40,7 +40,7 @@ impl Seeker<'_> {
         let order = trail.order(path.grain_visits);
         if let Some(tally) = &mut self.tally {
             if let (Met::Infinity(direction), Some(last)) = (met, trail.last) {
-                tally.escaped(last.from, order, last.direction.dot(direction));
+                tally.escaped(last.from, order, [last.direction, direction]);
             }
             return;
         }
