@@ -196,7 +196,10 @@ pub(crate) fn add(
                 largest = layer;
             }
         }
-        if (rest as f64 * power_of_two(-FRACTION_BITS)).abs() > TOLERANCE * magnitude {
+        // Each value was rounded to a quantum.
+        let quanta = 1.0 + layers.len() as f64;
+        let allowed = TOLERANCE * magnitude * power_of_two(FRACTION_BITS) + quanta;
+        if (rest as f64).abs() > allowed {
             return Err(Refused::NotTheWhole);
         }
         total[largest][channel] += rest;
