@@ -24,6 +24,7 @@ pub mod laboratory;
 mod mesh;
 mod ply;
 pub mod scene;
+pub mod tev;
 
 pub use error::{FormatsError, Place};
 pub use film_file::{read_film, write_film};

@@ -17,6 +17,7 @@ use std::time::Duration;
     snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \
     snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
     snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
+    snowgrain render scene.toml --spp 100000 --time-limit 10m --display-server localhost:14158 -o out.exr\n  \
     snowgrain render scene.toml --dry-run\n\n\
     The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
 pub(crate) struct RenderArguments {
@@ -49,9 +50,15 @@ pub(crate) struct RenderArguments {
           value_parser = values::finite)]
     pub(crate) exposure: f64,
 
-    /// Stops after the pass over the picture that exceeds this time, counted from the start
+    /// Ends with fewer samples after the pass over the picture that exceeds this time (90s, 10m, 1.5h),
+    /// counted from the start of the program; what every pixel has is the picture
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub(crate) time_limit: Option<Duration>,
+
+    /// Shows the picture while it grows in the image viewer tev, which listens there (tev's own
+    /// default is localhost:14158); a viewer that is absent or goes away changes nothing
+    #[arg(long, value_name = "HOST:PORT", value_parser = values::host_and_port)]
+    pub(crate) display_server: Option<String>,
 
     /// Albedos 1, no absorption, uniform light of radiance 1: every pixel must be exactly 1
     #[arg(long)]

@@ -11,6 +11,7 @@ use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::summary::{BuildTimes, Run, grouped};
 use crate::threads::{pool, threads};
+use crate::viewer::Viewer;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Picture, PixelRect, spectral_layers};
@@ -25,7 +26,7 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
     refuse_options_without_file(arguments)?;
-    let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    let mut pictures = Pictures::new(&arguments.output, arguments.exposure)?;
     if let Some(path) = &arguments.report.json_stats {
         if arguments.output.iter().any(|picture| picture.path == *path) {
             return Err(Failure::usage("--json-stats and --output name the same file; name two"));
@@ -65,6 +66,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     refuse_camera_in_ice(&scene, &loaded)?;
     let settings =
         RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
+    if let Some(address) = &arguments.display_server {
+        pictures.show_in(Viewer::at(address, loaded.name.clone()));
+    }
     let task = Task { arguments, scene: &scene, packing, settings, pool: &pool, started };
     let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
     progress.finish();
@@ -284,8 +288,10 @@ impl Task<'_> {
             }
             mean_radiance = Some(picture.mean_radiance()?);
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
+            pictures.show_last(&picture, progress);
         } else if let Some(preview) = preview {
             written = interrupts.while_writing(|| pictures.write_preview(preview));
+            pictures.show_last(preview, progress);
         }
         let figures = Run {
             report: &self.scene.report,
@@ -314,7 +320,7 @@ impl Task<'_> {
                              nothing else was written"
                 .to_owned(),
             _ => format!(
-                "after {samples} of {wanted} samples a pixel; the picture so far is written"
+                "after {samples} of {wanted} samples a pixel; the picture of these is written"
             ),
         };
         match interrupts.exit_code() {
@@ -323,7 +329,7 @@ impl Task<'_> {
                 Ok(code)
             }
             None if !rendered.complete => {
-                progress.note(&format!("stopped by --time-limit {kept}"));
+                progress.note(&format!("ended by --time-limit {kept}"));
                 Ok(0)
             }
             None => Ok(0),

@@ -45,6 +45,18 @@ fn misuse_is_2() {
         (vec!["render", "snowy-teapot", "-o", "a.png", "--crop", "0,0,9999,9"], vec!["512x512"]),
         (vec!["render", "snowy-teapot", "-o", "a.png", "--simd", "mmx"], vec!["mmx", "avx2"]),
         (vec!["render", "snowy-teapot", "-o", "a.png", "--units", "mm"], vec!["--units", "mesh"]),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--time-limit", "90"],
+            vec!["--time-limit", "90s"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--display-server", "localhost"],
+            vec!["--display-server", "localhost:14158"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--display-server", "localhost:99999"],
+            vec!["--display-server", "65535"],
+        ),
         (vec!["rendr"], vec!["rendr"]),
         (vec!["measure", "cube", "--lattice", "sc", "--counts", "2,2,2"], vec!["--lit-all-around"]),
     ] {

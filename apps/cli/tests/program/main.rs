@@ -10,6 +10,7 @@ mod measures;
 mod pictures;
 #[cfg(unix)]
 mod signals;
+mod viewer;
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};
