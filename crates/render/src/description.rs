@@ -43,6 +43,8 @@ pub struct FilmDescription {
     pub samples_per_pixel: u32,
     /// Seed of the sampler.
     pub seed: u64,
+    /// Where in its pixel each sample looks.
+    pub sampler: Sampler,
     /// Primaries of the picture; everything else in a scene is linear sRGB.
     pub primaries: Primaries,
     /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
@@ -54,9 +56,20 @@ impl FilmDescription {
     /// A film of sRGB that keeps nothing but the picture.
     #[must_use]
     pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
-        let primaries = Primaries::Srgb;
-        Self { width, height, samples_per_pixel, seed, primaries, keep_ice_paths: false }
+        let (sampler, primaries) = (Sampler::default(), Primaries::Srgb);
+        Self { width, height, samples_per_pixel, seed, sampler, primaries, keep_ice_paths: false }
     }
+}
+
+/// The closed set of ways to choose the first numbers of a path: where in its pixel it begins. All that
+/// follows is independent whatever this is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sampler {
+    /// Independent samples, whose spread says exactly how uncertain their mean is.
+    #[default]
+    Independent,
+    /// An Owen-scrambled Sobol sequence for each pixel ([`snowgrain_math::sobol`]).
+    Sobol,
 }
 
 /// A pinhole camera.

@@ -5,7 +5,8 @@ mod objects;
 mod snow;
 
 use super::document::{
-    IntegratorName, KeepName, LightKind, PackingName, PoresName, PrimariesName, SpectrumName,
+    IntegratorName, KeepName, LightKind, PackingName, PoresName, PrimariesName, SamplerName,
+    SpectrumName,
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
@@ -17,7 +18,7 @@ use snowgrain_math::DVec3;
 use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
-    Pores, SceneDescription,
+    Pores, Sampler, SceneDescription,
 };
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
@@ -93,6 +94,10 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
         height: film.height,
         samples_per_pixel: film.samples_per_pixel,
         seed: film.seed,
+        sampler: match film.sampler {
+            SamplerName::Independent => Sampler::Independent,
+            SamplerName::Sobol => Sampler::Sobol,
+        },
         primaries: match film.primaries {
             PrimariesName::Srgb => Primaries::Srgb,
             PrimariesName::Acescg => Primaries::AcesCg,

@@ -8,10 +8,12 @@ use super::batch::Batch;
 use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
+use crate::description::Sampler;
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource};
 use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
 use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::sobol::sobol_numbers;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -137,7 +139,16 @@ impl<'a, 'film> Stream<'a, 'film> {
         // Backwards, as they are taken from the end.
         self.ready.extend((first..dealing.sample).rev().map(|sample| {
             let key = PathKey::new(scene.film.seed, stream, sample);
-            let [jitter_x, jitter_y, _] = numbers(key, 0);
+            let [jitter_x, jitter_y] = match scene.film.sampler {
+                Sampler::Independent => {
+                    let [x, y, _] = numbers(key, 0);
+                    [x, y]
+                }
+                Sampler::Sobol => {
+                    let [x, y, ..] = sobol_numbers(scene.film.seed, stream, sample);
+                    [x, y]
+                }
+            };
             let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
             let ray = scene.camera.ray(px, py);
             NewPath { tag: Tag { slot, x, y }, ray, key, event: 1 }
