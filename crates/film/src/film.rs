@@ -1,7 +1,8 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
 use crate::{
-    FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, PixelRect, PixelSums, SampleRanges,
+    BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, PixelRect, PixelSums,
+    SampleRanges,
 };
 use snowgrain_optics::Grade;
 use std::ops::Range;
@@ -26,6 +27,7 @@ pub struct Film {
     crop: PixelRect,
     identity: FilmIdentity,
     samples: SampleRanges,
+    block_counts: Option<BlockCounts>,
     pixels: Vec<PixelSums>,
     /// What turned lengths in ice into the colours of the sums.
     pub grade: Grade,
@@ -47,8 +49,37 @@ impl Film {
             return Err(FilmError::BadCrop { crop, width, height });
         }
         let pixels = pixels_for(crop)?;
-        let (samples, grade) = (SampleRanges::default(), Grade::default());
-        Ok(Self { width, height, crop, identity, samples, pixels, grade, ice_paths: None })
+        Ok(Self {
+            width,
+            height,
+            crop,
+            identity,
+            samples: SampleRanges::default(),
+            block_counts: None,
+            pixels,
+            grade: Grade::default(),
+            ice_paths: None,
+        })
+    }
+
+    /// The same film, empty of samples, whose pixels are to hold only samples below the counts of their
+    /// blocks.
+    ///
+    /// # Errors
+    /// Counts of another crop.
+    pub fn with_block_counts(mut self, counts: BlockCounts) -> Result<Self, FilmError> {
+        if counts.crop() != self.crop {
+            let (tile, crop) = (counts.crop(), self.crop);
+            return Err(FilmError::TileOutsideFilm { tile, crop });
+        }
+        self.block_counts = Some(counts);
+        Ok(self)
+    }
+
+    /// How many samples the pixels of each block are to have, where blocks differ.
+    #[must_use]
+    pub fn block_counts(&self) -> Option<&BlockCounts> {
+        self.block_counts.as_ref()
     }
 
     /// The same film, empty of ice paths, that keeps them from now on.
@@ -67,6 +98,7 @@ impl Film {
     pub fn empty_copy(&self) -> Result<Self, FilmError> {
         let mut film = Self::new(self.width, self.height, self.crop, self.identity)?;
         film.grade = self.grade.clone();
+        film.block_counts = self.block_counts.clone();
         match &self.ice_paths {
             Some(paths) => film.keeping_ice_paths(paths.layout()),
             None => Ok(film),
@@ -108,7 +140,7 @@ impl Film {
         self.identity
     }
 
-    /// The samples that every pixel has.
+    /// The samples that every pixel has; where blocks have counts, those below the count of its block.
     #[must_use]
     pub fn samples(&self) -> &SampleRanges {
         &self.samples
@@ -175,6 +207,15 @@ impl Film {
         let hash = |film: &Self| hexadecimal(&film.identity.scene_hash);
         differ("scene", hash(self), hash(other))?;
         differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())?;
+        let counts = |film: &Self| match &film.block_counts {
+            None => "the same everywhere".to_owned(),
+            Some(counts) => format!(
+                "{} in all for a relative error of {}",
+                counts.total(),
+                counts.relative_error()
+            ),
+        };
+        differ("samples by block", counts(self), counts(other))?;
         let kept = |film: &Self| match film.ice_paths.as_ref().map(IcePaths::layout) {
             None => "not kept".to_owned(),
             Some(IcePathLayout { lights, scale_exponent }) => {
@@ -192,19 +233,24 @@ impl Film {
         let mut tiles: Vec<_> =
             self.crop.tiles(side).map(|rect| FilmTileMut::without_rows(rect, layout)).collect();
         let width = self.crop.width() as usize;
-        let across = width.div_ceil(side as usize);
-        for (row, pixels) in self.pixels.chunks_mut(width).enumerate() {
-            let first = row / side as usize * across;
-            let pieces = pixels.chunks_mut(side as usize);
-            tiles[first..].iter_mut().zip(pieces).for_each(|(tile, piece)| tile.rows.push(piece));
+        let (top, columns) = (self.crop.y0, self.crop.x0 / side..self.crop.x1.div_ceil(side));
+        let across = columns.len();
+        let row_of_tiles = |row: usize| ((top + row as u32) / side - top / side) as usize * across;
+        for (row, mut rest) in self.pixels.chunks_mut(width).enumerate() {
+            for tile in &mut tiles[row_of_tiles(row)..][..across] {
+                let (piece, tail) = rest.split_at_mut(tile.rect().width() as usize);
+                tile.rows.push(piece);
+                rest = tail;
+            }
         }
         let Some(ice) = &mut self.ice_paths else { return tiles };
         let stride = ice.layout().sums();
-        for (row, sums) in ice.sums_mut().chunks_mut(width * stride).enumerate() {
-            let first = row / side as usize * across;
-            let pieces = sums.chunks_mut(side as usize * stride);
-            let pairs = tiles[first..].iter_mut().zip(pieces);
-            pairs.for_each(|(tile, piece)| tile.ice_rows.push(piece));
+        for (row, mut rest) in ice.sums_mut().chunks_mut(width * stride).enumerate() {
+            for tile in &mut tiles[row_of_tiles(row)..][..across] {
+                let (piece, tail) = rest.split_at_mut(tile.rect().width() as usize * stride);
+                tile.ice_rows.push(piece);
+                rest = tail;
+            }
         }
         tiles
     }

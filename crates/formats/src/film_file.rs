@@ -1,6 +1,6 @@
 //! The film container (`.film`): the exact sums of a render, to continue or merge it.
 //!
-//! Little-endian, version 2:
+//! Little-endian, version 3:
 //!
 //! | bytes | content |
 //! |---|---|
@@ -13,26 +13,29 @@
 //! | 4 | spectra of lights of which ice paths are kept; 0: they are not kept |
 //! | 4 | scale exponent of the ice paths, signed |
 //! | 4 | bytes of the grade |
+//! | 4 | counts of samples by block ([`BlockCounts`]); 0: blocks do not differ |
 //! | so many | the grade, as TOML ([`grade`]) |
 //! | 16 each | first sample, sample after the last |
+//! | 8 | where there are counts: the relative error that they were chosen for, a double |
+//! | 4 each | the counts, in the order of [`PixelRect::tiles`] |
 //! | 208 each | sums of the pixels of the crop, row-major ([`PixelSums::to_le_bytes`]) |
 //! | 768 each, for each spectrum | ice paths of the pixels ([`IcePaths::sums`]), signed, 8 bytes each |
 //! | 32 | BLAKE3 of all bytes before |
 
 mod grade;
 
-use crate::error::{Fault, FormatsError};
+use crate::error::{Fault, FormatsError, room};
 use crate::{atomic, input};
 use snowgrain_film::{
-    Film, FilmError, FilmIdentity, IcePathLayout, IcePaths, PixelRect, PixelSums,
+    BlockCounts, Film, FilmError, FilmIdentity, IcePathLayout, IcePaths, PixelRect, PixelSums,
 };
 use std::io::{self, Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"SNOWFILM";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Bytes before the grade.
-const HEADER_BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 4;
+const HEADER_BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 4 + 4;
 /// Spectra of lights are few.
 const MOST_LIGHTS: u32 = 64;
 const RANGE_BYTES: u64 = 16;
@@ -82,10 +85,16 @@ fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     writer.write_all(&scale.to_le_bytes())?;
     let grade = grade::to_toml(&film.grade);
     writer.write_all(&(grade.len() as u32).to_le_bytes())?;
+    let counts = film.block_counts().map_or(&[][..], BlockCounts::counts);
+    writer.write_all(&(counts.len() as u32).to_le_bytes())?;
     writer.write_all(grade.as_bytes())?;
     for range in ranges {
         writer.write_all(&range.start.to_le_bytes())?;
         writer.write_all(&range.end.to_le_bytes())?;
+    }
+    if let Some(counts) = film.block_counts() {
+        writer.write_all(&counts.relative_error().to_le_bytes())?;
+        counts.counts().iter().try_for_each(|count| writer.write_all(&count.to_le_bytes()))?;
     }
     film.pixels().iter().try_for_each(|sums| writer.write_all(&sums.to_le_bytes()))?;
     let ice = film.ice_paths().map_or(&[][..], IcePaths::sums);
@@ -121,7 +130,8 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
         scale_exponent: i32::from_le_bytes(array(&mut reader)?),
     });
     let grade_bytes = u32::from_le_bytes(array(&mut reader)?);
-    check_length(crop, ranges, layout, grade_bytes, length)?;
+    let counts = u32::from_le_bytes(array(&mut reader)?);
+    check_length(crop, ranges, layout, grade_bytes, counts, length)?;
     let mut grade = vec![0; grade_bytes as usize];
     reader.read_exact(&mut grade)?;
     let grade = grade::from_toml(&grade).map_err(|what| Fault::whole(what, MEND))?;
@@ -145,6 +155,15 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
         let end = u64::from_le_bytes(array(&mut reader)?);
         let recorded = film.record_samples(start..end);
         recorded.map_err(|error| Fault::whole(error.to_string(), MEND))?;
+    }
+    if counts > 0 {
+        let relative_error = f64::from_le_bytes(array(&mut reader)?);
+        let mut list = room(counts as usize, "counts of samples")?;
+        for _ in 0..counts {
+            list.push(u32::from_le_bytes(array(&mut reader)?));
+        }
+        let counts = BlockCounts::new(crop, relative_error, list).map_err(film_fault)?;
+        film = film.with_block_counts(counts).map_err(film_fault)?;
     }
     for sums in film.pixels_mut() {
         *sums = PixelSums::from_le_bytes(&array(&mut reader)?);
@@ -173,10 +192,15 @@ fn check_length(
     ranges: u32,
     layout: Option<IcePathLayout>,
     grade_bytes: u32,
+    counts: u32,
     length: u64,
 ) -> Result<(), Fault> {
-    let fixed =
-        HEADER_BYTES + u64::from(grade_bytes) + u64::from(ranges) * RANGE_BYTES + HASH_BYTES;
+    let counts_bytes = if counts > 0 { 8 + 4 * u64::from(counts) } else { 0 };
+    let fixed = HEADER_BYTES
+        + u64::from(grade_bytes)
+        + u64::from(ranges) * RANGE_BYTES
+        + counts_bytes
+        + HASH_BYTES;
     let pixel_bytes = PixelSums::BYTES as u64 + layout.map_or(0, IcePathLayout::bytes);
     let expected = u128::from(fixed) + u128::from(crop.area()) * u128::from(pixel_bytes);
     if expected == u128::from(length) {
@@ -301,6 +325,23 @@ mod tests {
         }
 
         #[test]
+        fn counts_of_blocks_come_back_as_they_were(
+            relative_error in 1e-6..10.0f64,
+            count in 1..u32::MAX,
+        ) {
+            let crop = PixelRect::new(14, 1, 18, 2);
+            let film = Film::new(20, 3, crop, film(&[1.0]).identity()).unwrap();
+            let counts = BlockCounts::new(crop, relative_error, vec![count, 1]).unwrap();
+            let film = film.with_block_counts(counts).unwrap();
+            let mut bytes = written(&film);
+            prop_assert_eq!(read_bytes(&bytes).unwrap(), film);
+            let at = bytes.len() - 32 - 4 * PixelSums::BYTES - 4;
+            bytes[at] = 0; // the second count
+            let error = read_bytes(&bytes).unwrap_err().to_string();
+            prop_assert!(error.contains("count"), "{}", error);
+        }
+
+        #[test]
         fn any_change_is_noticed(at in any::<prop::sample::Index>(), flip in 1..=255u8) {
             let mut bytes = written(&film(&[0.5, 0.25]));
             let at = at.index(bytes.len());
@@ -312,7 +353,7 @@ mod tests {
         #[test]
         fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
             prop_assert!(read_bytes(&bytes).is_err());
-            prop_assert!(read_bytes(&[&MAGIC[..], &[2, 0, 0, 0], &bytes].concat()).is_err());
+            prop_assert!(read_bytes(&[&MAGIC[..], &[3, 0, 0, 0], &bytes].concat()).is_err());
         }
     }
 

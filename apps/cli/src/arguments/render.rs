@@ -55,6 +55,13 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub(crate) time_limit: Option<Duration>,
 
+    /// Gives each block of 16x16 pixels only as many samples as it needs for this relative error, as
+    /// 0.05: the standard error of its pixels (root mean square) over their mean + 0.01. A pilot of 16
+    /// samples, which the picture does not hold, finds how many; --spp (or the scene) says how many at
+    /// most
+    #[arg(long, value_name = "ERROR", value_parser = values::positive)]
+    pub(crate) noise_target: Option<f64>,
+
     /// Shows the picture while it grows in the image viewer tev, which listens there (tev's own
     /// default is localhost:14158); a viewer that is absent or goes away changes nothing
     #[arg(long, value_name = "HOST:PORT", value_parser = values::host_and_port)]

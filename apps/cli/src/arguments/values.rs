@@ -190,6 +190,11 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|n| if n >= 0.0 { Ok(n) } else { Err("write a number from 0 up".into()) })
 }
 
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|n| if n > 0.0 { Ok(n) } else { Err("write a number above 0".into()) })
+}
+
 /// A number between 0 and 1.
 pub(super) fn probability(text: &str) -> Result<f64, String> {
     match finite(text)? {

@@ -1,5 +1,7 @@
 //! `snowgrain render`.
 
+mod noise;
+
 use super::pictures::Pictures;
 use crate::arguments::{PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
@@ -12,13 +14,14 @@ use crate::signals::Interrupts;
 use crate::summary::{BuildTimes, Run, grouped};
 use crate::threads::{pool, threads};
 use crate::viewer::Viewer;
+use noise::Plan;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Picture, PixelRect, spectral_layers};
+use snowgrain_film::{BlockCounts, Picture, PixelRect, spectral_layers};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::{Packing, SceneDescription};
 use snowgrain_render::{
-    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_with,
+    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_blocks_with,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -69,7 +72,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     if let Some(address) = &arguments.display_server {
         pictures.show_in(Viewer::at(address, loaded.name.clone()));
     }
-    let task = Task { arguments, scene: &scene, packing, settings, pool: &pool, started };
+    let plan = match arguments.noise_target {
+        Some(target) => Some(Plan::find(&scene, &settings, target, &pool, &progress)?),
+        None => None,
+    };
+    let task = Task { arguments, scene: &scene, packing, settings, plan, pool: &pool, started };
     let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
@@ -228,11 +235,19 @@ struct Task<'a> {
     scene: &'a Scene,
     packing: Packing,
     settings: RenderSettings,
+    /// How many samples each block is to have, where blocks differ.
+    plan: Option<Plan>,
     pool: &'a ThreadPool,
     started: Instant,
 }
 
 impl Task<'_> {
+    /// Most samples that a pixel is to have.
+    fn wanted(&self) -> u64 {
+        let counts = self.plan.as_ref().map(Plan::counts);
+        counts.map_or(self.settings.samples.end, |counts| counts.greatest().into())
+    }
+
     /// Renders, refreshing the PNG files.
     fn render(
         &self,
@@ -241,8 +256,10 @@ impl Task<'_> {
         progress: &Progress,
     ) -> Result<(Outcome, Spent), Failure> {
         let samples_done = AtomicU64::new(0);
-        let wanted = self.settings.samples.end;
-        let total = self.settings.crop.area().saturating_mul(wanted);
+        let wanted = self.wanted();
+        let counts = self.plan.as_ref().map(Plan::counts);
+        let every = self.settings.crop.area().saturating_mul(wanted);
+        let total = counts.map_or(every, BlockCounts::total);
         let after_pass = |samples: u64| {
             let over = self.arguments.time_limit.is_some_and(|l| self.started.elapsed() >= l);
             if over && samples < wanted {
@@ -257,7 +274,7 @@ impl Task<'_> {
             after_pass: &after_pass,
         };
         let (rendered, preview) = progress.samples(&samples_done, total, || {
-            render_with(self.scene, &self.settings, |rendering| {
+            render_blocks_with(self.scene, &self.settings, counts.cloned(), |rendering| {
                 pictures.refreshed(rendering, interrupts, progress, || {
                     self.pool.install(|| rendering.run(&control))
                 })?;
@@ -301,6 +318,7 @@ impl Task<'_> {
             statistics: &rendered.statistics,
             samples_per_pixel: samples,
             complete: rendered.complete,
+            noise: self.plan.as_ref().map(|plan| plan.figures(&rendered.film)),
             mean_radiance,
             packing: self.packing,
             threads: self.pool.current_num_threads(),
@@ -313,7 +331,7 @@ impl Task<'_> {
             written = written.and(interrupts.while_writing(|| output::write_text(path, &text)));
         }
         written?;
-        let wanted = self.settings.samples.end;
+        let wanted = self.wanted();
         let kept = match (samples, preview) {
             (0, None) => "before there was a picture; nothing was written".to_owned(),
             (0, Some(_)) => "before every pixel had a sample; PNG files show a coarse picture, \
