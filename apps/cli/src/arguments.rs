@@ -1,6 +1,7 @@
 //! The command line as typed.
 
 mod compare;
+mod denoise;
 mod deposit;
 mod develop;
 mod laboratory_values;
@@ -18,6 +19,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 pub(crate) use compare::CompareArguments;
+pub(crate) use denoise::DenoiseArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};

@@ -142,6 +142,8 @@ pub struct Picture {
     pub primaries: Primaries,
     /// Where it comes from, if known.
     pub provenance: Option<Provenance>,
+    /// Whether its colours are a denoiser's guess, which is no measurement.
+    pub denoised: bool,
 }
 
 impl Picture {
@@ -155,7 +157,8 @@ impl Picture {
         }
         let primaries = Primaries::default();
         let (layers, spectrum) = (Vec::new(), Vec::new());
-        Ok(Self { width, height, window, layers, spectrum, primaries, provenance: None })
+        let (provenance, denoised) = (None, false);
+        Ok(Self { width, height, window, layers, spectrum, primaries, provenance, denoised })
     }
 
     /// All layers of a film.
@@ -233,8 +236,8 @@ impl Picture {
         Ok(())
     }
 
-    /// Leaves out the layers of variance.
-    pub(crate) fn remove_variance(&mut self) {
+    /// Leaves out the layers of variance, for colours of which they would say nothing.
+    pub fn remove_variance(&mut self) {
         self.layers.retain(|(layer, _)| !Layer::VARIANCE.contains(layer));
     }
 

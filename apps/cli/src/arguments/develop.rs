@@ -1,6 +1,6 @@
 //! `snowgrain develop` as typed.
 
-use super::{PictureFile, Series, laboratory_values, values};
+use super::{DenoiseArguments, PictureFile, Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::path::PathBuf;
@@ -14,6 +14,7 @@ use std::path::PathBuf;
     snowgrain render snowy-teapot --keep ice-paths -o teapot.film\n  \
     snowgrain develop teapot.film --impurity soot=200ppb -o sooty.png\n  \
     snowgrain develop teapot.film --impurity dust-sahara=100ppm --ice-k warren-brandt-2008 -o dusty.png\n  \
+    snowgrain develop teapot.film --denoise -o smooth.png\n  \
     snowgrain develop teapot.film --wavelengths 400:700:20 -o teapot.exr")]
 pub(crate) struct DevelopArguments {
     /// Film (.film)
@@ -53,4 +54,7 @@ pub(crate) struct DevelopArguments {
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
           value_parser = values::finite)]
     pub(crate) exposure: f64,
+
+    #[command(flatten)]
+    pub(crate) denoise: DenoiseArguments,
 }

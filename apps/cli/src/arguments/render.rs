@@ -1,6 +1,8 @@
 //! `snowgrain render` as typed.
 
-use super::{MachineArguments, PictureFile, ReportArguments, SceneArguments, Size};
+use super::{
+    DenoiseArguments, MachineArguments, PictureFile, ReportArguments, SceneArguments, Size,
+};
 use super::{Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_film::PixelRect;
@@ -59,7 +61,7 @@ pub(crate) struct RenderArguments {
     /// 0.05: the standard error of its pixels (root mean square) over their mean + 0.01. A pilot of 16
     /// samples, which the picture does not hold, finds how many; --spp (or the scene) says how many at
     /// most
-    #[arg(long, value_name = "ERROR", value_parser = values::positive)]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = values::positive)]
     pub(crate) noise_target: Option<f64>,
 
     /// Shows the picture while it grows in the image viewer tev, which listens there (tev's own
@@ -90,6 +92,9 @@ pub(crate) struct RenderArguments {
     /// Estimates grains, memory and time; nothing is made or traced
     #[arg(long, conflicts_with = "json_stats")]
     pub(crate) dry_run: bool,
+
+    #[command(flatten)]
+    pub(crate) denoise: DenoiseArguments,
 
     #[command(flatten)]
     pub(crate) machine: MachineArguments,

@@ -1,5 +1,6 @@
 //! `snowgrain develop`.
 
+use super::denoise::denoiser;
 use super::pictures::Pictures;
 use crate::arguments::{DevelopArguments, PictureFormat};
 use crate::failure::Failure;
@@ -19,6 +20,7 @@ pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
         return Err(Failure::usage("--primaries are those of .exr files; name one by -o"));
     }
     let pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    let denoiser = denoiser(&arguments.denoise, &arguments.output, 0)?;
     let film = read_film(&arguments.film)?;
     let grade = grade(&film, arguments);
     let name = arguments.film.display().to_string();
@@ -27,6 +29,9 @@ pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
     if let Some(wavelengths) = &arguments.wavelengths {
         picture.spectrum = spectral_layers(&film, &grade, &wavelengths.0)
             .map_err(|error| Failure::from(error).of(&name))?;
+    }
+    if let Some(denoiser) = denoiser {
+        picture = denoiser.denoise_picture(&picture, None)?;
     }
     pictures.write(&film, &picture)?;
     Ok(0)

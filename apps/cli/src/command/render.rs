@@ -2,6 +2,7 @@
 
 mod noise;
 
+use super::denoise::denoiser;
 use super::pictures::Pictures;
 use crate::arguments::{PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
@@ -17,6 +18,7 @@ use crate::viewer::Viewer;
 use noise::Plan;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
+use snowgrain_denoise::Denoiser;
 use snowgrain_film::{BlockCounts, Picture, PixelRect, spectral_layers};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::{Packing, SceneDescription};
@@ -36,6 +38,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         }
         atomic::check_writable_target(path)?;
     }
+    let denoiser = denoiser(&arguments.denoise, &arguments.output, threads(&arguments.machine))?;
     let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);
     let interrupts = Interrupts::watch();
     let mut loaded = load(arguments, &progress)?;
@@ -76,7 +79,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         Some(target) => Some(Plan::find(&scene, &settings, target, &pool, &progress)?),
         None => None,
     };
-    let task = Task { arguments, scene: &scene, packing, settings, plan, pool: &pool, started };
+    let (scene, pool) = (&scene, &pool);
+    let task = Task { arguments, scene, packing, settings, plan, denoiser, pool, started };
     let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
@@ -237,6 +241,7 @@ struct Task<'a> {
     settings: RenderSettings,
     /// How many samples each block is to have, where blocks differ.
     plan: Option<Plan>,
+    denoiser: Option<Denoiser>,
     pool: &'a ThreadPool,
     started: Instant,
 }
@@ -260,8 +265,9 @@ impl Task<'_> {
         let counts = self.plan.as_ref().map(Plan::counts);
         let every = self.settings.crop.area().saturating_mul(wanted);
         let total = counts.map_or(every, BlockCounts::total);
+        let (limit, started) = (self.arguments.time_limit, self.started);
         let after_pass = |samples: u64| {
-            let over = self.arguments.time_limit.is_some_and(|l| self.started.elapsed() >= l);
+            let over = limit.is_some_and(|limit| started.elapsed() >= limit);
             if over && samples < wanted {
                 interrupts.stop().store(true, Ordering::SeqCst);
             }
@@ -304,6 +310,9 @@ impl Task<'_> {
                 picture.spectrum = spectral_layers(film, &film.grade, &wavelengths.0)?;
             }
             mean_radiance = Some(picture.mean_radiance()?);
+            if let Some(denoiser) = &self.denoiser {
+                picture = denoiser.denoise_picture(&picture, None)?;
+            }
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
             pictures.show_last(&picture, progress);
         } else if let Some(preview) = preview {

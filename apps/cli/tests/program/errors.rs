@@ -57,6 +57,19 @@ fn misuse_is_2() {
             vec!["render", "snowy-teapot", "-o", "a.png", "--display-server", "localhost:99999"],
             vec!["--display-server", "65535"],
         ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--noise-target", "0"],
+            vec!["--noise-target", "above 0"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--noise-target", "-0.1"],
+            vec!["--noise-target"],
+        ),
+        (vec!["render", "snowy-teapot", "-o", "a.film", "--denoise"], vec!["--denoise", ".png"]),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--denoise-library", "x"],
+            vec!["--denoise"],
+        ),
         (vec!["rendr"], vec!["rendr"]),
         (vec!["measure", "cube", "--lattice", "sc", "--counts", "2,2,2"], vec!["--lit-all-around"]),
     ] {

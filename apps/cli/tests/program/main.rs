@@ -7,6 +7,7 @@ mod errors;
 mod laboratory;
 mod light_in_snow;
 mod measures;
+mod noise;
 mod pictures;
 #[cfg(unix)]
 mod signals;

@@ -2,7 +2,7 @@
 //!
 //! One part, channels named as [`Layer::name`] says (the format demands alphabetical order in the
 //! file), ZIP compression, chromaticities of the primaries, and where known the attributes
-//! `samplesPerPixel`, `seed`, `sceneHash` and `software` (name and version).
+//! `samplesPerPixel`, `seed`, `sceneHash` and `software` (name and version). Colours that a denoiser made have `denoised` = 1.
 //!
 //! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
 //! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
@@ -31,6 +31,7 @@ pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
 const SEED: &str = "seed";
 const SCENE_HASH: &str = "sceneHash";
+const DENOISED: &str = "denoised";
 
 /// Writes all layers of a picture. The same picture gives the same bytes.
 ///
@@ -60,6 +61,9 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
     if let Some(provenance) = &picture.provenance {
         attributes.other.extend(described(provenance));
+    }
+    if picture.denoised {
+        attributes.other.insert(Text::from(DENOISED), AttributeValue::I32(1));
     }
     if !picture.spectrum.is_empty() {
         let texts = [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1")];
@@ -188,6 +192,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
     picture.spectrum.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
     picture.primaries = primaries(image.attributes.chromaticities)?;
     picture.provenance = provenance(&part.attributes);
+    let denoised = part.attributes.other.get(&Text::from(DENOISED));
+    picture.denoised = matches!(denoised, Some(AttributeValue::I32(value)) if *value != 0);
     Ok(picture)
 }
 
@@ -276,6 +282,9 @@ mod tests {
     #[test]
     fn layers_windows_and_provenance_come_back_exactly() {
         assert_eq!(decode(&encode(&picture()).unwrap()).unwrap(), picture());
+        let mut denoised = picture();
+        denoised.denoised = true;
+        assert_eq!(decode(&encode(&denoised).unwrap()).unwrap(), denoised);
     }
 
     #[test]
