@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     Deposit(DepositArguments),
     Develop(DevelopArguments),
     Scenes(ScenesArguments),
