@@ -5,6 +5,7 @@
 use snowgrain_film::{BlockCounts, Film, PixelRect};
 use snowgrain_formats::scene::{Loader, SceneFile, resolve};
 use snowgrain_formats::{read_film, write_film};
+use snowgrain_render::description::Sampler;
 use snowgrain_render::{
     PILOT_SAMPLES, Pilot, RenderControl, RenderSettings, Rendered, Scene, SimdLevel, block_counts,
     render_blocks_with,
@@ -172,4 +173,19 @@ fn the_mean_of_every_block_is_that_of_fixed_counts() {
         let z = if difference == 0.0 { 0.0 } else { difference / f64::sqrt(variance) };
         assert!(z.abs() < 4.5, "block {block}: {difference} +- {}, z = {z}", variance.sqrt());
     }
+}
+
+#[test]
+fn evenly_spread_samples_are_the_same_in_any_split_and_not_the_independent_ones() {
+    let (mut scene, best) = (scene(3), SimdLevel::detect());
+    let independent = render(&scene, 0..4, None, 2, best).film;
+    scene.film.sampler = Sampler::Sobol;
+    assert_ne!(render(&scene, 0..4, None, 2, best).film.pixels(), independent.pixels());
+    let wrap = 1u64 << 32; // where the sequence begins again, scrambled anew
+    let whole = render(&scene, wrap - 5..wrap + 4, None, 1, best).film;
+    let mut merged = whole.empty_copy().unwrap();
+    for part in [wrap - 1..wrap + 4, wrap - 5..wrap - 1] {
+        merged.merge(&render(&scene, part, None, 3, best).film).unwrap();
+    }
+    assert!(bytes(&merged) == bytes(&whole));
 }

@@ -109,13 +109,13 @@ mod tests {
         }
         let packets: Vec<_> = update_image("s", &picture).unwrap().collect();
         let head: Vec<_> = packets.iter().map(|packet| packet[18..34].to_vec()).collect();
-        assert_eq!(head[0], [10, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0]);
-        assert_eq!(head[1], [10, 1, 0, 0, 3, 0, 0, 0, 44, 0, 0, 0, 2, 0, 0, 0]);
+        assert_eq!(head[0], [10, 0, 0, 0, 3, 0, 0, 0, 246, 0, 0, 0, 2, 0, 0, 0]);
+        assert_eq!(head[1], [0, 1, 0, 0, 3, 0, 0, 0, 54, 0, 0, 0, 2, 0, 0, 0]);
         let floats: Vec<f32> =
             packets[1][34..].as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect();
-        let row = |first: u16| (first..first + 44).map(f32::from);
+        let row = |first: u16| (first..first + 54).map(f32::from);
         let expected: Vec<f32> =
-            [256, 556, 1256, 1556, 2256, 2556].into_iter().flat_map(row).collect();
+            [246, 546, 1246, 1546, 2246, 2546].into_iter().flat_map(row).collect();
         assert_eq!(floats, expected);
         assert!(
             update_image("s", &Picture::new(4, 4, PixelRect::new(0, 0, 4, 4)).unwrap()).is_none()

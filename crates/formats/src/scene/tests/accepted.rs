@@ -11,7 +11,7 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
 };
 use snowgrain_render::description::{
-    IceDescription, LightDescription, ObjectShape, SceneDescription, SnowDescription,
+    IceDescription, LightDescription, ObjectShape, Sampler, SceneDescription, SnowDescription,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -38,6 +38,7 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!(scene.ice.absorption, Absorption::Measured(IceAbsorption::Picard2016));
     assert!(scene.ice.impurities.is_empty());
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::Srgb, false));
+    assert_eq!(scene.film.sampler, Sampler::Independent);
     assert_eq!(
         scene.lights,
         [LightDescription::Sky {
@@ -70,6 +71,7 @@ fn colours_of_ice_light_and_film_arrive() {
             "ice.impurities={ black-carbon = \"200 ppb\", snow-algae = \"1e4 cells/mL\" }",
             "light.spectrum=equal-energy",
             "film.primaries=acescg",
+            "film.sampler=sobol",
             "film.keep=[\"ice-paths\"]",
         ],
     )
@@ -82,6 +84,7 @@ fn colours_of_ice_light_and_film_arrive() {
     assert_eq!(scene.ice.impurities, expected);
     assert_eq!(scene.lights[0].spectrum(), Illuminant::EqualEnergy);
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::AcesCg, true));
+    assert_eq!(scene.film.sampler, Sampler::Sobol);
     assert_eq!(read(LEAST, &["ice.absorption=2"]).unwrap().ice.absorption, Absorption::Grey(2.0));
 }
 
