@@ -2,6 +2,7 @@
 //! film, CPU nanoseconds of one core.
 
 use snowgrain_benches::best_of;
+use snowgrain_film::develop::Development;
 use snowgrain_film::{Film, FilmIdentity, FilmTile, Picture, PixelRect, Sample, develop};
 use std::hint::black_box;
 
@@ -80,6 +81,7 @@ fn picture() {
     println!("merge of tiles            {:8.1} ns a pixel", seconds / pixels * 1e9);
     let (seconds, picture) = best_of(3, || Picture::from_film(&film).expect("it fits"));
     println!("all layers                {:8.1} ns a pixel", seconds / pixels * 1e9);
-    let (seconds, _) = best_of(3, || develop::to_8_bit(&picture, 0.0).expect("it has colour"));
+    let (seconds, _) =
+        best_of(3, || develop::to_8_bit(&picture, &Development::default()).expect("it has colour"));
     println!("8 bits                    {:8.1} ns a pixel", seconds / pixels * 1e9);
 }

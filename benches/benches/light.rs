@@ -86,7 +86,16 @@ fn lattice(kind: LatticeKind, cells: u32) -> (World, Aabb) {
     let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3])
         .expect("the lattice is legal");
     let hull = grid.bounds();
-    (World { grid, surfaces: Surfaces::default(), albedos: Vec::new(), eta: 1.31 }, hull)
+    (
+        World {
+            grid,
+            surfaces: Surfaces::default(),
+            albedos: Vec::new(),
+            emitters: Vec::new(),
+            eta: 1.31,
+        },
+        hull,
+    )
 }
 
 fn deposit(rule: DepositRule, grains: u64, depth: f64, packing: Packing) -> (World, Aabb) {

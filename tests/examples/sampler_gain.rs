@@ -17,8 +17,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = builtin_scenes().iter().find(|scene| scene.name == name).ok_or("no such scene")?;
     let overrides = ["film.width=96".to_owned(), "film.height=96".into()];
     let file = SceneFile::parse(scene.toml, name.as_ref(), &overrides)?;
-    let loader =
-        Loader { mesh: &mut |_| Err("no meshes".into()), grains: &mut |_| Err("no grains".into()) };
+    let loader = Loader {
+        mesh: &mut |_| Err("no meshes".into()),
+        grains: &mut |_| Err("no grains".into()),
+        import: &mut |_| Err("no shots".into()),
+        environment: &mut |_| Err("no maps".into()),
+    };
     let mut scene = Scene::build(&resolve(&file, loader)?, &mut |_| ())?;
     let crop = match arguments.get(2..6) {
         None => PixelRect::new(0, 0, 96, 96),

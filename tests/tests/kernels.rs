@@ -169,7 +169,7 @@ impl Case {
             }
         };
         let albedos = self.objects.iter().map(|o| o.2).collect();
-        World { grid: grid.unwrap(), surfaces, albedos, eta: self.eta }
+        World { grid: grid.unwrap(), surfaces, albedos, emitters: Vec::new(), eta: self.eta }
     }
 
     fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {
@@ -204,7 +204,9 @@ impl Case {
             released += fast.releases;
             let (fast_direction, fast_light) = match fast.end {
                 transport::PathEnd::Escaped(ray) => (Some(ray.direction), fast.throughput),
-                transport::PathEnd::Absorbed | transport::PathEnd::Enclosed => (None, [0.0; 3]),
+                transport::PathEnd::Emitted { .. }
+                | transport::PathEnd::Absorbed
+                | transport::PathEnd::Enclosed => (None, [0.0; 3]),
             };
             let exact_direction = exact.escaped_direction();
             assert!(exact.end != PathEnd::Trapped);

@@ -54,7 +54,7 @@ fn world(
     let surfaces = Surfaces::new(&[(shape, transform)]);
     let grid =
         GrainGrid::build(*quantisation, grains, &surfaces, Packing::Fast).expect("few grains");
-    World { grid, surfaces, albedos: vec![[albedo; 3]], eta: 1.31 }
+    World { grid, surfaces, albedos: vec![[albedo; 3]], emitters: Vec::new(), eta: 1.31 }
 }
 
 fn fan(world: &World, origin: DVec3, toward: DVec3, paths: u64) -> Fan {

@@ -24,8 +24,12 @@ const SCENE: &str = "version = 1\n[film]\nwidth = 72\nheight = 56\n[camera]\nfro
 fn scene(seed: u64) -> Scene {
     let seed = format!("film.seed={seed}");
     let file = SceneFile::parse(SCENE, "ball".as_ref(), &[seed]).unwrap();
-    let loader =
-        Loader { mesh: &mut |_| Err("no meshes".into()), grains: &mut |_| Err("no grains".into()) };
+    let loader = Loader {
+        mesh: &mut |_| Err("no meshes".into()),
+        grains: &mut |_| Err("no grains".into()),
+        import: &mut |_| Err("no shots".into()),
+        environment: &mut |_| Err("no maps".into()),
+    };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }
 

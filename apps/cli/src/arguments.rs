@@ -4,6 +4,8 @@ mod compare;
 mod denoise;
 mod deposit;
 mod develop;
+mod display;
+mod groups;
 mod laboratory_values;
 mod measure;
 mod optics;
@@ -22,6 +24,8 @@ pub(crate) use compare::CompareArguments;
 pub(crate) use denoise::DenoiseArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
+pub(crate) use display::{Bits, DisplayArguments};
+pub(crate) use groups::GroupFactor;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
@@ -69,7 +73,7 @@ pub(crate) enum Command {
 /// Which scene, and how it is changed.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArguments {
-    /// Built-in scene, scene file (.toml) or mesh (.obj, .ply)
+    /// Built-in scene, scene file (.toml), mesh (.obj, .ply) or shot (.gltf, .glb)
     pub(crate) scene: PathBuf,
 
     /// Changes a key of the scene, as snow.0.radius=0.3mm, or snow.radius=0.3mm where there is one
@@ -85,7 +89,7 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "AXIS", value_parser = values::up_axis)]
     pub(crate) up: Option<UpAxis>,
 
-    /// Longest side of a mesh given as SCENE, as 20cm
+    /// Longest side of a mesh or model given as SCENE, as 20cm
     #[arg(long, value_name = "LENGTH", value_parser = values::length)]
     pub(crate) object_size: Option<f64>,
 }

@@ -118,6 +118,10 @@ impl From<RenderError> for Failure {
             RenderError::Grid(_) | RenderError::Memory { .. } | RenderError::Enclosed { .. } => {
                 exit::REFUSED
             }
+            RenderError::CameraInIce { .. }
+            | RenderError::MapSize { .. }
+            | RenderError::MapPixels { .. }
+            | RenderError::MapValue { .. } => exit::BAD_INPUT,
             RenderError::Film(source) => Self::from(source).code,
         };
         Self::new(code, message)

@@ -3,10 +3,12 @@
 use crate::arguments::SceneArguments;
 use crate::failure::{Failure, exit};
 use snowgrain_formats::scene::{
-    LoadError, Loader, MeshSceneOptions, SceneFile, builtin_scene, builtin_scenes, resolve,
-    scene_for_mesh,
+    LoadError, Loader, MeshScene, MeshSceneOptions, MeshUnits, SceneFile, UpAxis, builtin_scene,
+    builtin_scenes, resolve, scene_for_mesh, scene_for_shot,
 };
-use snowgrain_formats::{PlyContent, load_mesh, ply_content, read_grains};
+use snowgrain_formats::{
+    ImportedScene, PlyContent, load_environment, load_mesh, ply_content, read_gltf, read_grains,
+};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_render::description::SceneDescription;
 use std::path::{Path, PathBuf};
@@ -26,6 +28,7 @@ enum Kind {
     Builtin(&'static str),
     File,
     Mesh,
+    Shot,
 }
 
 /// Reads the scene, applies `--set` and then `changes` (of the same form), and everything it refers
@@ -38,11 +41,13 @@ pub(crate) fn load(
     let mut overrides = arguments.overrides.clone();
     overrides.extend(changes);
     let kind = kind(path)?;
-    if !matches!(kind, Kind::Mesh) {
-        refuse_mesh_options(arguments)?;
+    match kind {
+        Kind::Mesh => {}
+        Kind::Shot => refuse_units_and_axis(arguments)?,
+        Kind::Builtin(_) | Kind::File => refuse_mesh_options(arguments)?,
     }
     let mut assumptions = Vec::new();
-    let mut given = None;
+    let (mut given, mut given_shot) = (None, None);
     let file = match kind {
         Kind::Builtin(toml) => SceneFile::parse(toml, path, &overrides)?,
         Kind::File => SceneFile::read(path, &overrides)?,
@@ -59,8 +64,28 @@ pub(crate) fn load(
             given = Some((path.parent().unwrap_or(Path::new("")).join(&*name), mesh));
             SceneFile::parse(&made.toml, path, &overrides)?
         }
+        Kind::Shot => {
+            let shot = read_gltf(path)?;
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let made = shot_alone(&name, &shot, arguments)?;
+            assumptions = made.assumptions;
+            given_shot = Some((path.parent().unwrap_or(Path::new("")).join(&*name), shot));
+            SceneFile::parse(&made.toml, path, &overrides)?
+        }
     };
-    let loader = Loader { mesh: &mut read_mesh(given), grains: &mut |path| Ok(read_grains(path)?) };
+    let loader = Loader {
+        mesh: &mut read_mesh(given),
+        grains: &mut |path| Ok(read_grains(path)?),
+        environment: &mut |path| Ok(load_environment(path)?),
+        import: &mut |path| {
+            let shot = match given_shot.take_if(|(known, _)| known == path) {
+                Some((_, shot)) => shot,
+                None => read_gltf(path)?,
+            };
+            assumptions.extend(passed_over(path, &shot));
+            Ok(shot)
+        },
+    };
     let description = resolve(&file, loader)?;
     Ok(LoadedScene { name: path.display().to_string(), description, assumptions })
 }
@@ -73,9 +98,10 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
     match extension.as_deref() {
         Some("toml") => Ok(Kind::File),
         Some("obj" | "ply") => Ok(Kind::Mesh),
+        Some("gltf" | "glb") => Ok(Kind::Shot),
         _ if path.exists() => Err(Failure::bad_input(format!(
-            "{}: this is not a scene; give a .toml, a mesh (.obj, .ply) or the name of a built-in \
-             scene",
+            "{}: this is not a scene; give a .toml, a mesh (.obj, .ply), a shot (.gltf, .glb) or \
+             the name of a built-in scene",
             path.display()
         ))),
         _ => {
@@ -105,6 +131,44 @@ fn refuse_mesh_options(arguments: &SceneArguments) -> Result<(), Failure> {
         ))),
         None => Ok(()),
     }
+}
+
+fn refuse_units_and_axis(arguments: &SceneArguments) -> Result<(), Failure> {
+    let options = [("--units", arguments.units.is_some()), ("--up", arguments.up.is_some())];
+    match options.iter().find(|(_, given)| *given) {
+        Some((option, _)) => Err(Failure::usage(format!(
+            "{option} is not for glTF, which is in metres with y up; --object-size says how large a \
+             model is"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The scene for a shot given as SCENE: with its own camera, else that of a mesh.
+fn shot_alone(
+    name: &str,
+    shot: &ImportedScene,
+    arguments: &SceneArguments,
+) -> Result<MeshScene, Failure> {
+    let (units, up) = (Some(MeshUnits::Metres), Some(UpAxis::Y));
+    let options = MeshSceneOptions { units, up, object_size: arguments.object_size };
+    match scene_for_shot(name, shot) {
+        Some(_) if arguments.object_size.is_some() => Err(Failure::usage(
+            "--object-size is for a model without a camera; scale a shot by [import] scale in a scene",
+        )),
+        Some(made) => Ok(made),
+        None => Ok(scene_for_mesh(name, &shot.bounds(), &options)?),
+    }
+}
+
+/// What of a shot does not show in the picture, one line each.
+fn passed_over(path: &Path, shot: &ImportedScene) -> Vec<String> {
+    let file = path.display();
+    let lights = shot.lights.len();
+    let lights = (lights > 0)
+        .then(|| format!("{file}: {lights} lights are not taken over; [[light]] says what shines"));
+    let others = shot.ignored.as_ref().map(|line| format!("{file}: passed over: {line}"));
+    lights.into_iter().chain(others).collect()
 }
 
 /// The mesh given as SCENE.

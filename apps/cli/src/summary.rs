@@ -21,7 +21,7 @@ impl BuildTimes {
     pub(crate) fn book(&mut self, stage: BuildStage, spent: Spent) {
         match stage {
             BuildStage::Snow { .. } | BuildStage::Fallen { .. } => self.deposit += spent,
-            BuildStage::Surfaces | BuildStage::Packing => self.build += spent,
+            BuildStage::Surfaces | BuildStage::Packing | BuildStage::Light => self.build += spent,
         }
     }
 }

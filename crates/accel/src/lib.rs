@@ -14,7 +14,7 @@ mod strata;
 pub mod surfaces;
 mod words;
 
-pub use flight::{Flight, FlightEvent};
+pub use flight::{ArrivalFrom, Flight, FlightEvent, GrainVisit, Probe, ProbeAnswer, Probes};
 pub use grain_grid::{GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing};
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,

@@ -135,6 +135,37 @@ pub enum FilmError {
          with --keep ice-paths"
     )]
     NoIcePaths,
+    /// A film was not told to keep the light of groups of lights apart.
+    #[error(
+        "the film does not keep the light of its groups of lights apart, without which they cannot be \
+         mixed; render it with --keep light-groups"
+    )]
+    NoLightLayers,
+    /// A group of lights that a film does not have.
+    #[error("the film has no group of lights {name}; it has {known}")]
+    UnknownLightLayer {
+        /// The name.
+        name: String,
+        /// Those that it has.
+        known: String,
+    },
+    /// Glare of the eye needs angles.
+    #[error("the field of view of the picture is not known, without which the eye has no glare")]
+    NoFieldOfView,
+    /// Layers of light that a film cannot have.
+    #[error("these layers of light cannot be kept: {what}")]
+    BadLightLayers {
+        /// What is wrong.
+        what: String,
+    },
+    /// The layers of a sample's light are not all of it; the renderer is at fault.
+    #[error("the layers of a sample of pixel ({x}, {y}) do not add up to its radiance")]
+    LayersNotTheWhole {
+        /// Column of the pixel.
+        x: u32,
+        /// Row of the pixel.
+        y: u32,
+    },
     /// Two pictures that are compared have other primaries.
     #[error(
         "the pictures have different primaries ({ours} and {theirs}); render both with the same \

@@ -1,8 +1,8 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
 use crate::{
-    BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, PixelRect, PixelSums,
-    SampleRanges,
+    BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, Kept, LightLayerNames,
+    LightLayers, PixelRect, PixelSums, SampleRanges,
 };
 use snowgrain_optics::Grade;
 use std::ops::Range;
@@ -17,7 +17,8 @@ pub struct FilmIdentity {
 }
 
 /// Exact sums over the samples of a picture; 208 bytes per pixel of the crop, and those of
-/// [`IcePathLayout::bytes`] where ice paths are kept.
+/// [`IcePathLayout::bytes`] where ice paths and of [`LightLayerNames::bytes`] where layers of light are
+/// kept.
 ///
 /// Films of the same picture and of different samples merge in any order to the same bytes.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +32,10 @@ pub struct Film {
     pixels: Vec<PixelSums>,
     /// What turned lengths in ice into the colours of the sums.
     pub grade: Grade,
+    /// Vertical field of view of the whole picture, degrees, if known.
+    pub vertical_fov_degrees: Option<f64>,
     ice_paths: Option<IcePaths>,
+    light_layers: Option<LightLayers>,
 }
 
 impl Film {
@@ -58,7 +62,9 @@ impl Film {
             block_counts: None,
             pixels,
             grade: Grade::default(),
+            vertical_fov_degrees: None,
             ice_paths: None,
+            light_layers: None,
         })
     }
 
@@ -91,6 +97,15 @@ impl Film {
         Ok(self)
     }
 
+    /// The same film, empty of layers of light, that keeps them from now on.
+    ///
+    /// # Errors
+    /// More than memory.
+    pub fn keeping_light_layers(mut self, layers: LightLayerNames) -> Result<Self, FilmError> {
+        self.light_layers = Some(LightLayers::new(layers, self.pixels.len())?);
+        Ok(self)
+    }
+
     /// A film of the same picture that keeps the same, without samples.
     ///
     /// # Errors
@@ -99,9 +114,33 @@ impl Film {
         let mut film = Self::new(self.width, self.height, self.crop, self.identity)?;
         film.grade = self.grade.clone();
         film.block_counts = self.block_counts.clone();
-        match &self.ice_paths {
-            Some(paths) => film.keeping_ice_paths(paths.layout()),
-            None => Ok(film),
+        film.vertical_fov_degrees = self.vertical_fov_degrees;
+        if let Some(paths) = &self.ice_paths {
+            film = film.keeping_ice_paths(paths.layout())?;
+        }
+        if let Some(light) = &self.light_layers {
+            film = film.keeping_light_layers(light.layers().clone())?;
+        }
+        Ok(film)
+    }
+
+    /// Its light in layers, if it keeps that.
+    #[must_use]
+    pub fn light_layers(&self) -> Option<&LightLayers> {
+        self.light_layers.as_ref()
+    }
+
+    /// The same, to be filled by a reader of film files.
+    pub fn light_layers_mut(&mut self) -> Option<&mut LightLayers> {
+        self.light_layers.as_mut()
+    }
+
+    /// What it keeps beside the sums of its pixels.
+    #[must_use]
+    pub fn kept(&self) -> Kept {
+        Kept {
+            ice_paths: self.ice_paths.as_ref().map(IcePaths::layout),
+            light_layers: self.light_layers.as_ref().map_or(0, |light| light.layers().count()),
         }
     }
 
@@ -192,7 +231,8 @@ impl Film {
         let mut samples = self.samples.clone();
         samples.insert_all(&other.samples)?;
         let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
-        self.part_mut(other.crop).add_sums(&other.pixels, ice)?;
+        let layers = other.light_layers.as_ref().map_or(&[][..], LightLayers::sums);
+        self.part_mut(other.crop).add_sums(&other.pixels, ice, layers)?;
         self.samples = samples;
         Ok(())
     }
@@ -222,56 +262,95 @@ impl Film {
                 format!("of {lights} lights, scale 2^{scale_exponent}")
             }
         };
-        differ("ice paths", kept(self), kept(other))
+        differ("ice paths", kept(self), kept(other))?;
+        let kept = |film: &Self| match film.light_layers.as_ref().map(LightLayers::layers) {
+            None => "not kept".to_owned(),
+            Some(layers) => {
+                format!("{} of slots {:?}", layers.names().join(", "), layers.layer_of_slot())
+            }
+        };
+        differ("layers of light", kept(self), kept(other))
     }
 
     /// The pixels of the crop as tiles of at most `side` x `side`, as [`PixelRect::tiles`] orders them,
     /// to be filled by several threads in place.
     pub fn tiles_mut(&mut self, side: u32) -> Vec<FilmTileMut<'_>> {
         let side = side.max(1);
-        let layout = self.ice_paths.as_ref().map(IcePaths::layout);
+        let kept = self.kept();
         let mut tiles: Vec<_> =
-            self.crop.tiles(side).map(|rect| FilmTileMut::without_rows(rect, layout)).collect();
-        let width = self.crop.width() as usize;
-        let (top, columns) = (self.crop.y0, self.crop.x0 / side..self.crop.x1.div_ceil(side));
-        let across = columns.len();
-        let row_of_tiles = |row: usize| ((top + row as u32) / side - top / side) as usize * across;
-        for (row, mut rest) in self.pixels.chunks_mut(width).enumerate() {
-            for tile in &mut tiles[row_of_tiles(row)..][..across] {
-                let (piece, tail) = rest.split_at_mut(tile.rect().width() as usize);
-                tile.rows.push(piece);
-                rest = tail;
-            }
+            self.crop.tiles(side).map(|rect| FilmTileMut::without_rows(rect, kept)).collect();
+        let grid = TileGrid { crop: self.crop, side };
+        grid.deal(&mut self.pixels, 1, &mut tiles, |tile, piece| tile.rows.push(piece));
+        if let Some(ice) = &mut self.ice_paths {
+            let stride = ice.layout().sums();
+            grid.deal(ice.sums_mut(), stride, &mut tiles, |tile, piece| tile.ice_rows.push(piece));
         }
-        let Some(ice) = &mut self.ice_paths else { return tiles };
-        let stride = ice.layout().sums();
-        for (row, mut rest) in ice.sums_mut().chunks_mut(width * stride).enumerate() {
-            for tile in &mut tiles[row_of_tiles(row)..][..across] {
-                let (piece, tail) = rest.split_at_mut(tile.rect().width() as usize * stride);
-                tile.ice_rows.push(piece);
-                rest = tail;
-            }
+        if let Some(light) = &mut self.light_layers {
+            let stride = light.layers().count();
+            grid.deal(light.sums_mut(), stride, &mut tiles, |tile, piece| {
+                tile.layer_rows.push(piece);
+            });
         }
         tiles
     }
 
     /// The pixels of `rect`, which lies inside the crop.
     fn part_mut(&mut self, rect: PixelRect) -> FilmTileMut<'_> {
-        let layout = self.ice_paths.as_ref().map(IcePaths::layout);
-        let mut part = FilmTileMut::without_rows(rect, layout);
-        let width = self.crop.width() as usize;
-        let (first, count) = ((rect.y0 - self.crop.y0) as usize, rect.height() as usize);
-        let columns = (rect.x0 - self.crop.x0) as usize..(rect.x1 - self.crop.x0) as usize;
-        let rows = self.pixels.chunks_mut(width).skip(first).take(count);
-        part.rows.extend(rows.map(|row| &mut row[columns.clone()]));
+        let mut part = FilmTileMut::without_rows(rect, self.kept());
+        let crop = self.crop;
+        part.rows.extend(rows_of(&mut self.pixels, 1, crop, rect));
         if let Some(ice) = &mut self.ice_paths {
             let stride = ice.layout().sums();
-            let rows = ice.sums_mut().chunks_mut(width * stride).skip(first).take(count);
-            let sums = columns.start * stride..columns.end * stride;
-            part.ice_rows.extend(rows.map(|row| &mut row[sums.clone()]));
+            part.ice_rows.extend(rows_of(ice.sums_mut(), stride, crop, rect));
+        }
+        if let Some(light) = &mut self.light_layers {
+            let stride = light.layers().count();
+            part.layer_rows.extend(rows_of(light.sums_mut(), stride, crop, rect));
         }
         part
     }
+}
+
+/// How the pixels of a crop lie in tiles of `side` x `side` that are aligned with the picture.
+#[derive(Clone, Copy)]
+struct TileGrid {
+    crop: PixelRect,
+    side: u32,
+}
+
+impl TileGrid {
+    /// Gives each tile the pieces of its rows of `sums`, of which each pixel has `stride`.
+    fn deal<'a, T>(
+        self,
+        sums: &'a mut [T],
+        stride: usize,
+        tiles: &mut [FilmTileMut<'a>],
+        give: impl Fn(&mut FilmTileMut<'a>, &'a mut [T]),
+    ) {
+        let Self { crop, side } = self;
+        let across = (crop.x1.div_ceil(side) - crop.x0 / side) as usize;
+        for (y, mut rest) in (crop.y0..).zip(sums.chunks_mut(crop.width() as usize * stride)) {
+            let above = (y / side - crop.y0 / side) as usize;
+            for tile in &mut tiles[above * across..][..across] {
+                let (piece, tail) = rest.split_at_mut(tile.rect().width() as usize * stride);
+                give(tile, piece);
+                rest = tail;
+            }
+        }
+    }
+}
+
+/// The rows of `rect` of the sums of a crop, of which each pixel has `stride`.
+fn rows_of<T>(
+    sums: &mut [T],
+    stride: usize,
+    crop: PixelRect,
+    rect: PixelRect,
+) -> impl Iterator<Item = &mut [T]> {
+    let (first, count) = ((rect.y0 - crop.y0) as usize, rect.height() as usize);
+    let columns = (rect.x0 - crop.x0) as usize * stride..(rect.x1 - crop.x0) as usize * stride;
+    let rows = sums.chunks_mut(crop.width() as usize * stride).skip(first).take(count);
+    rows.map(move |row| &mut row[columns.clone()])
 }
 
 /// Empty sums for every pixel of `rect`.

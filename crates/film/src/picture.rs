@@ -1,6 +1,6 @@
 //! A film read off: scene-linear layers of `f32`.
 
-use crate::{Film, FilmError, PixelRect, PixelSums, SpectralLayer};
+use crate::{Film, FilmError, LightLayers, PixelRect, PixelSums, SpectralLayer};
 use snowgrain_optics::Primaries;
 
 /// The closed set of layers, named as OpenEXR users name them.
@@ -129,6 +129,16 @@ pub struct Provenance {
     pub samples_per_pixel: u64,
 }
 
+/// The part of the light of a picture that a group of lights sends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightLayer {
+    /// Name of the group, or [`crate::light_layers::GLINTS`].
+    pub name: String,
+    /// Mean red, green and blue radiance over the window in row-major order, in the primaries of the
+    /// picture.
+    pub values: [Vec<f32>; 3],
+}
+
 /// Scene-linear layers over the pixels of a window of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -138,8 +148,14 @@ pub struct Picture {
     layers: Vec<(Layer, Vec<f32>)>,
     /// Radiance at single wavelengths, if known.
     pub spectrum: Vec<SpectralLayer>,
+    /// The light in layers that add up to the colour layers (before a denoiser), if known.
+    pub light_layers: Vec<LightLayer>,
+    /// Vertical field of view of the whole picture, degrees, if known.
+    pub vertical_fov_degrees: Option<f64>,
     /// What the colour layers are amounts of (albedos are of sRGB always).
     pub primaries: Primaries,
+    /// Exposure at which it is meant to be shown, stops; the layers do not hold it.
+    pub exposure_stops: f64,
     /// Where it comes from, if known.
     pub provenance: Option<Provenance>,
     /// Whether its colours are a denoiser's guess, which is no measurement.
@@ -155,10 +171,19 @@ impl Picture {
         if window.is_empty() || !PixelRect::new(0, 0, width, height).encloses(&window) {
             return Err(FilmError::BadCrop { crop: window, width, height });
         }
-        let primaries = Primaries::default();
-        let (layers, spectrum) = (Vec::new(), Vec::new());
-        let (provenance, denoised) = (None, false);
-        Ok(Self { width, height, window, layers, spectrum, primaries, provenance, denoised })
+        Ok(Self {
+            width,
+            height,
+            window,
+            layers: Vec::new(),
+            spectrum: Vec::new(),
+            light_layers: Vec::new(),
+            vertical_fov_degrees: None,
+            primaries: Primaries::default(),
+            exposure_stops: 0.0,
+            provenance: None,
+            denoised: false,
+        })
     }
 
     /// All layers of a film.
@@ -181,7 +206,12 @@ impl Picture {
         for (layer, values) in Layer::ALL.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }
+        if let Some(light) = film.light_layers() {
+            picture.light_layers = read_layers(film, light)?;
+        }
+        picture.vertical_fov_degrees = film.vertical_fov_degrees;
         picture.primaries = film.grade.primaries;
+        picture.exposure_stops = film.grade.exposure_stops;
         picture.provenance = Some(Provenance {
             scene_hash: film.identity().scene_hash,
             seed: film.identity().seed,
@@ -269,4 +299,30 @@ impl Picture {
             .colour()?
             .map(|values| values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64))
     }
+}
+
+/// The layers of a film's light.
+fn read_layers(film: &Film, light: &LightLayers) -> Result<Vec<LightLayer>, FilmError> {
+    let mut layers = empty_layers(film, light.layers().names())?;
+    for (pixel, sums) in film.pixels().iter().enumerate() {
+        for (layer, colour) in layers.iter_mut().zip(light.light(pixel, sums.samples())) {
+            layer.values.iter_mut().zip(colour).for_each(|(values, x)| values.push(x as f32));
+        }
+    }
+    Ok(layers)
+}
+
+/// Layers of these names, with room for the pixels of a film.
+pub(crate) fn empty_layers(film: &Film, names: &[String]) -> Result<Vec<LightLayer>, FilmError> {
+    let layer = |name: &String| {
+        let mut values = [const { Vec::<f32>::new() }; 3];
+        for values in &mut values {
+            values.try_reserve_exact(film.pixels().len()).map_err(|_| FilmError::TooLarge {
+                pixels: film.crop().area(),
+                bytes: u128::from(film.crop().area()) * 12 * names.len() as u128,
+            })?;
+        }
+        Ok(LightLayer { name: name.clone(), values })
+    };
+    names.iter().map(layer).collect()
 }

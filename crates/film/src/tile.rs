@@ -1,8 +1,20 @@
 //! Parts of a film, each filled by one thread at a time.
 
 use crate::film::pixels_for;
+use crate::light_layers::LayerSums;
 use crate::pixel::add_all;
-use crate::{FilmError, IcePathLayout, IcePaths, PixelRect, PixelSums, Sample, ice_paths};
+use crate::{
+    FilmError, IcePathLayout, IcePaths, PixelRect, PixelSums, Sample, ice_paths, light_layers,
+};
+
+/// What a film or tile keeps beside the sums of its pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// Light by length in ice, if that.
+    pub ice_paths: Option<IcePathLayout>,
+    /// Number of layers of light; 0: none are kept.
+    pub light_layers: usize,
+}
 
 /// Exact sums of one rectangle of pixels, filled by one thread, then merged into a film.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +22,9 @@ pub struct FilmTile {
     rect: PixelRect,
     pixels: Vec<PixelSums>,
     ice_paths: Option<IcePaths>,
+    /// Of each pixel, the sums of each layer.
+    layer_sums: Vec<LayerSums>,
+    kept: Kept,
 }
 
 impl FilmTile {
@@ -18,17 +33,19 @@ impl FilmTile {
     /// # Errors
     /// [`FilmError::TooLarge`].
     pub fn new(rect: PixelRect) -> Result<Self, FilmError> {
-        Ok(Self { rect, pixels: pixels_for(rect)?, ice_paths: None })
+        Self::keeping(rect, Kept::default())
     }
 
-    /// An empty tile that keeps ice paths.
+    /// An empty tile that keeps more than the sums of its pixels.
     ///
     /// # Errors
     /// [`FilmError::TooLarge`].
-    pub fn keeping_ice_paths(rect: PixelRect, layout: IcePathLayout) -> Result<Self, FilmError> {
+    pub fn keeping(rect: PixelRect, kept: Kept) -> Result<Self, FilmError> {
         let pixels = pixels_for(rect)?;
-        let ice_paths = Some(IcePaths::new(layout, pixels.len())?);
-        Ok(Self { rect, pixels, ice_paths })
+        let count = pixels.len();
+        let ice_paths = kept.ice_paths.map(|layout| IcePaths::new(layout, count)).transpose()?;
+        let layer_sums = light_layers::empty_sums(kept.light_layers, count)?;
+        Ok(Self { rect, pixels, ice_paths, layer_sums, kept })
     }
 
     /// Its pixels.
@@ -74,9 +91,31 @@ impl FilmTile {
         if layout.add(sums, length, weights) { Ok(()) } else { Err(FilmError::Overflow { x, y }) }
     }
 
+    /// Adds a sample's light to the layers of a pixel, where they are kept: as
+    /// [`FilmTileMut::add_light_layers`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn add_light_layers(
+        &mut self,
+        x: u32,
+        y: u32,
+        radiance: [f32; 3],
+        layers: &[[f32; 3]],
+    ) -> Result<(), FilmError> {
+        let (rect, count) = (self.rect, self.kept.light_layers);
+        if count == 0 {
+            return Ok(());
+        }
+        let index = rect.index(x, y).ok_or(FilmError::OutsideTile { x, y, rect })?;
+        let sums = &mut self.layer_sums[index * count..][..count];
+        light_layers::add(sums, radiance, layers).map_err(|refused| refused.of(x, y))
+    }
+
     /// Forgets all samples, to be used again.
     pub fn clear(&mut self) {
         self.pixels.fill(PixelSums::default());
+        self.layer_sums.fill([0; 3]);
         if let Some(ice) = &mut self.ice_paths {
             ice.sums_mut().fill(0);
         }
@@ -87,19 +126,22 @@ impl FilmTile {
 #[derive(Debug)]
 pub struct FilmTileMut<'a> {
     rect: PixelRect,
-    layout: Option<IcePathLayout>,
+    kept: Kept,
     /// Row by row; together all pixels of the rectangle.
     pub(crate) rows: Vec<&'a mut [PixelSums]>,
     /// Their ice paths, where those are kept.
     pub(crate) ice_rows: Vec<&'a mut [i64]>,
+    /// Their layers of light, where those are kept.
+    pub(crate) layer_rows: Vec<&'a mut [LayerSums]>,
 }
 
 impl FilmTileMut<'_> {
     /// To be given its rows.
-    pub(crate) fn without_rows(rect: PixelRect, layout: Option<IcePathLayout>) -> Self {
+    pub(crate) fn without_rows(rect: PixelRect, kept: Kept) -> Self {
         let height = rect.height() as usize;
-        let ice_rows = Vec::with_capacity(if layout.is_some() { height } else { 0 });
-        Self { rect, layout, rows: Vec::with_capacity(height), ice_rows }
+        let ice_rows = Vec::with_capacity(if kept.ice_paths.is_some() { height } else { 0 });
+        let layer_rows = Vec::with_capacity(if kept.light_layers > 0 { height } else { 0 });
+        Self { rect, kept, rows: Vec::with_capacity(height), ice_rows, layer_rows }
     }
 
     /// Its pixels.
@@ -113,10 +155,7 @@ impl FilmTileMut<'_> {
     /// # Errors
     /// [`FilmError::TooLarge`].
     pub fn empty_copy(&self) -> Result<FilmTile, FilmError> {
-        match self.layout {
-            None => FilmTile::new(self.rect),
-            Some(layout) => FilmTile::keeping_ice_paths(self.rect, layout),
-        }
+        FilmTile::keeping(self.rect, self.kept)
     }
 
     /// The sums of pixel `(x, y)` of the picture; `None` outside the tile.
@@ -153,7 +192,7 @@ impl FilmTileMut<'_> {
         length: f64,
         weights: &[[f32; 3]],
     ) -> Result<(), FilmError> {
-        let Some(layout) = self.layout else { return Ok(()) };
+        let Some(layout) = self.kept.ice_paths else { return Ok(()) };
         if !self.rect.contains(x, y) {
             return Err(FilmError::OutsideTile { x, y, rect: self.rect });
         }
@@ -162,44 +201,88 @@ impl FilmTileMut<'_> {
         if layout.add(sums, length, weights) { Ok(()) } else { Err(FilmError::Overflow { x, y }) }
     }
 
+    /// Adds a sample's light to the layers of pixel `(x, y)`, where they are kept: its `radiance`, as the
+    /// sample has it, parted into one radiance for each layer. On an error nothing is added.
+    ///
+    /// # Errors
+    /// A pixel outside the tile; layers that do not add up to the radiance but for what rounding leaves, or
+    /// that leave the range of the sums.
+    pub fn add_light_layers(
+        &mut self,
+        x: u32,
+        y: u32,
+        radiance: [f32; 3],
+        layers: &[[f32; 3]],
+    ) -> Result<(), FilmError> {
+        let (rect, count) = (self.rect, self.kept.light_layers);
+        if count == 0 {
+            return Ok(());
+        }
+        if !rect.contains(x, y) {
+            return Err(FilmError::OutsideTile { x, y, rect });
+        }
+        let row = &mut self.layer_rows[(y - rect.y0) as usize];
+        let sums = &mut row[(x - rect.x0) as usize * count..][..count];
+        light_layers::add(sums, radiance, layers).map_err(|refused| refused.of(x, y))
+    }
+
     /// Adds the sums of a tile of the same pixels that keeps the same; on an error nothing is added.
     ///
     /// # Errors
     /// Sums that leave their range.
     ///
     /// # Panics
-    /// If the other tile is of other pixels, or only one keeps ice paths.
+    /// If the other tile is of other pixels or keeps something else.
     pub fn merge(&mut self, other: &FilmTile) -> Result<(), FilmError> {
         assert_eq!(self.rect, other.rect, "only tiles of the same pixels are merged");
-        let ice = other.ice_paths.as_ref();
-        assert_eq!(
-            self.layout,
-            ice.map(IcePaths::layout),
-            "only tiles that keep the same are merged"
-        );
-        self.add_sums(&other.pixels, ice.map_or(&[][..], IcePaths::sums))
+        assert_eq!(self.kept, other.kept, "only tiles that keep the same are merged");
+        let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
+        self.add_sums(&other.pixels, ice, &other.layer_sums)
     }
 
     /// Adds row-major sums of its pixels; on an error nothing is added.
-    pub(crate) fn add_sums(&mut self, pixels: &[PixelSums], ice: &[i64]) -> Result<(), FilmError> {
+    pub(crate) fn add_sums(
+        &mut self,
+        pixels: &[PixelSums],
+        ice: &[i64],
+        layers: &[LayerSums],
+    ) -> Result<(), FilmError> {
         let rect = self.rect;
         let overflow = |(row, column): (usize, usize)| FilmError::Overflow {
             x: rect.x0 + column as u32,
             y: rect.y0 + row as u32,
         };
         let width = rect.width().max(1) as usize;
-        let stride = self.layout.map_or(0, IcePathLayout::sums);
-        let added = ice.chunks((width * stride).max(1));
-        let fits = |(row, added): (&&mut [i64], &[i64])| ice_paths::overflow(row, added);
-        let failed = self.ice_rows.iter().zip(added.clone()).map(fits).enumerate();
-        let failed = failed.filter_map(|(row, index)| Some((row, index? / stride))).next();
-        failed.map_or(Ok(()), |place| Err(overflow(place)))?;
+        let ice_stride = self.kept.ice_paths.map_or(1, IcePathLayout::sums);
+        let layer_stride = self.kept.light_layers.max(1);
+        let added_ice = ice.chunks(width * ice_stride);
+        let added_layers = layers.chunks(width * layer_stride);
+        let ice_place = first_overflow(&self.ice_rows, added_ice.clone(), ice_paths::overflow)
+            .map(|(row, index)| (row, index / ice_stride));
+        let layer_place =
+            first_overflow(&self.layer_rows, added_layers.clone(), light_layers::overflow_of)
+                .map(|(row, index)| (row, index / layer_stride));
+        ice_place.or(layer_place).map_or(Ok(()), |place| Err(overflow(place)))?;
         add_rows(&mut self.rows, pixels.chunks(width)).map_err(overflow)?;
-        for (row, added) in self.ice_rows.iter_mut().zip(added) {
+        for (row, added) in self.ice_rows.iter_mut().zip(added_ice) {
             row.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
+        }
+        for (row, added) in self.layer_rows.iter_mut().zip(added_layers) {
+            let pairs = row.as_flattened_mut().iter_mut().zip(added.as_flattened());
+            pairs.for_each(|(sum, added)| *sum += added);
         }
         Ok(())
     }
+}
+
+/// The row, and the index in it, of the first sum that would leave its range.
+fn first_overflow<'a, T: 'a>(
+    rows: &[&mut [T]],
+    added: impl Iterator<Item = &'a [T]>,
+    overflow: impl Fn(&[T], &[T]) -> Option<usize>,
+) -> Option<(usize, usize)> {
+    let found = rows.iter().zip(added).map(|(row, added)| overflow(row, added)).enumerate();
+    found.filter_map(|(row, index)| Some((row, index?))).next()
 }
 
 /// Adds rows of sums to others, or nothing where one does not fit; then says at which row and column.

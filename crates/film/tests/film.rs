@@ -4,8 +4,8 @@
 
 use proptest::prelude::*;
 use snowgrain_film::{
-    Film, FilmError, FilmIdentity, FilmTile, Layer, Picture, PixelRect, PixelSums, Refusal, Sample,
-    SampleFault,
+    Film, FilmError, FilmIdentity, FilmTile, Kept, Layer, LightLayerNames, Picture, PixelRect,
+    PixelSums, Refusal, Sample, SampleFault,
 };
 
 const IDENTITY: FilmIdentity = FilmIdentity { scene_hash: [3; 32], seed: 11 };
@@ -13,6 +13,22 @@ const CROP: PixelRect = PixelRect::new(1, 2, 6, 5);
 
 fn film() -> Film {
     Film::new(8, 6, CROP, IDENTITY).unwrap()
+}
+
+/// A film that keeps two layers of light.
+fn layered() -> Film {
+    let names = ["sun", "sky"].map(str::to_owned).to_vec();
+    film().keeping_light_layers(LightLayerNames::new(names, vec![0]).unwrap()).unwrap()
+}
+
+fn layered_tile(rect: PixelRect) -> FilmTile {
+    FilmTile::keeping(rect, Kept { light_layers: 2, ..Kept::default() }).unwrap()
+}
+
+/// The radiance of a sample in two layers whose sum rounds.
+fn layers(sample: &Sample) -> [[f32; 3]; 2] {
+    let sun = sample.radiance.map(|x| x / 3.0);
+    [sun, std::array::from_fn(|c| sample.radiance[c] - sun[c])]
 }
 
 fn one_pixel() -> FilmTile {
@@ -89,17 +105,19 @@ fn any_samples() -> impl Strategy<Value = Vec<[Sample; 4]>> {
 
 /// A film of the samples with these indices, filled through tiles of this side.
 fn rendered(samples: &[[Sample; 4]], indices: &[usize], side: u32, backwards: bool) -> Film {
-    let mut film = film();
+    let mut film = layered();
     let mut rects: Vec<PixelRect> = CROP.tiles(side).collect();
     if backwards {
         rects.reverse();
     }
     for rect in rects {
-        let mut tile = FilmTile::new(rect).unwrap();
+        let mut tile = layered_tile(rect);
         for at in 0..rect.area() as usize {
             let (x, y) = rect.pixel(at);
             for &index in indices {
-                tile.add(x, y, &samples[CROP.index(x, y).unwrap()][index]).unwrap();
+                let sample = &samples[CROP.index(x, y).unwrap()][index];
+                tile.add(x, y, sample).unwrap();
+                tile.add_light_layers(x, y, sample.radiance, &layers(sample)).unwrap();
             }
         }
         film.merge_tile(&tile).unwrap();
@@ -112,16 +130,20 @@ fn rendered(samples: &[[Sample; 4]], indices: &[usize], side: u32, backwards: bo
 
 /// The film of all samples, filled in place; the last sample of every pixel through other tiles.
 fn in_place(samples: &[[Sample; 4]], side: u32) -> Film {
-    let mut film = film();
+    let mut film = layered();
     let rects: Vec<PixelRect> = CROP.tiles(side).collect();
     for (tile, rect) in film.tiles_mut(side).iter_mut().zip(rects) {
         assert_eq!(tile.rect(), rect);
-        let mut last = FilmTile::new(rect).unwrap();
+        let mut last = layered_tile(rect);
         for at in 0..rect.area() as usize {
             let (x, y) = rect.pixel(at);
             let [first @ .., fourth] = &samples[CROP.index(x, y).unwrap()];
-            first.iter().for_each(|sample| tile.add(x, y, sample).unwrap());
+            for sample in first {
+                tile.add(x, y, sample).unwrap();
+                tile.add_light_layers(x, y, sample.radiance, &layers(sample)).unwrap();
+            }
             last.add(x, y, fourth).unwrap();
+            last.add_light_layers(x, y, fourth.radiance, &layers(fourth)).unwrap();
         }
         tile.merge(&last).unwrap();
         assert_eq!(tile.pixel(rect.x0, rect.y0).unwrap().samples(), 4);
@@ -137,9 +159,15 @@ proptest! {
         let whole = rendered(&samples, &[0, 1, 2, 3], 64, false);
         prop_assert_eq!(&rendered(&samples, &[2, 0, 3, 1], side, true), &whole);
         prop_assert_eq!(&in_place(&samples, side), &whole);
+        let light = whole.light_layers().unwrap().sums();
+        for (sums, layers) in whole.pixels().iter().zip(light.chunks_exact(2)) {
+            let total = [0, 1, 2].map(|c: usize| layers[0][c] + layers[1][c]);
+            let radiance = total.iter().flat_map(|sum| sum.to_le_bytes()).collect::<Vec<u8>>();
+            prop_assert_eq!(&sums.to_le_bytes()[..48], &radiance, "layers are the whole, exactly");
+        }
         let parts = [vec![0], vec![3, 1], vec![2]].map(|i| rendered(&samples, &i, side, false));
         for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
-            let mut merged = film();
+            let mut merged = layered();
             order.iter().for_each(|&part: &usize| merged.merge(&parts[part]).unwrap());
             prop_assert_eq!(&merged, &whole);
         }
@@ -301,6 +329,32 @@ fn only_films_of_one_picture_and_of_different_samples_merge() {
 }
 
 #[test]
+fn layers_that_leave_their_range_or_are_others_change_nothing() {
+    let mut film = layered();
+    let mut tile = layered_tile(CROP);
+    let bright = bright(2.8e14);
+    for _ in 0..2 {
+        // The layers alone: their sum stays small while each grows.
+        tile.add_light_layers(2, 3, [0.0; 3], &[bright.radiance, [-2.8e14; 3]]).unwrap();
+    }
+    for _ in 0..14 {
+        film.merge_tile(&tile).unwrap();
+        let mut copy = layered();
+        copy.merge(&film).unwrap();
+        assert_eq!(copy, film);
+        let doubled = film.clone();
+        if film.merge(&doubled).is_err() {
+            assert_eq!(film.merge(&doubled), Err(FilmError::Overflow { x: 2, y: 3 }));
+            assert_eq!(film, doubled);
+            let error = self::film().merge(&film).unwrap_err().to_string();
+            assert!(error.contains("layers of light (not kept and sun, sky"), "{error}");
+            return;
+        }
+    }
+    panic!("the sums never left their range");
+}
+
+#[test]
 fn crops_and_sizes_are_checked_before_memory_is_taken() {
     for crop in [PixelRect::new(0, 0, 0, 6), PixelRect::new(0, 0, 9, 6), PixelRect::new(5, 5, 1, 6)]
     {
@@ -329,7 +383,9 @@ fn layers_are_the_means_of_the_samples() {
     tile.add(0, 0, &Sample { radiance: [0.0, 0.7, 0.0], ..Sample::default() }).unwrap();
     film.merge_tile(&tile).unwrap();
     film.record_samples(0..2).unwrap();
+    film.vertical_fov_degrees = Some(35.0);
     let picture = Picture::from_film(&film).unwrap();
+    assert_eq!((picture.vertical_fov_degrees, picture.light_layers.len()), (Some(35.0), 0));
     let first = |layer| picture.layer(layer).unwrap()[0];
     assert_eq!(Layer::COLOUR.map(first), [0.5, 0.7, 0.0]);
     assert_eq!(Layer::VARIANCE.map(first), [0.25, 0.0, 0.0]);

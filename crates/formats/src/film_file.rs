@@ -12,35 +12,33 @@
 //! | 4 | number of sample ranges |
 //! | 4 | spectra of lights of which ice paths are kept; 0: they are not kept |
 //! | 4 | scale exponent of the ice paths, signed |
-//! | 4 | bytes of the grade |
+//! | 8 | vertical field of view, degrees; 0: not known |
+//! | 4 | layers of light; 0: they are not kept |
+//! | 4, 4 | bytes of the grade and of the names of the layers |
 //! | 4 | counts of samples by block ([`BlockCounts`]); 0: blocks do not differ |
 //! | so many | the grade, as TOML ([`grade`]) |
+//! | so many | the names of the layers, as TOML ([`layers`]) |
 //! | 16 each | first sample, sample after the last |
 //! | 8 | where there are counts: the relative error that they were chosen for, a double |
-//! | 4 each | the counts, in the order of [`PixelRect::tiles`] |
+//! | 4 each | the counts, in the order of [`snowgrain_film::PixelRect::tiles`] |
 //! | 208 each | sums of the pixels of the crop, row-major ([`PixelSums::to_le_bytes`]) |
 //! | 768 each, for each spectrum | ice paths of the pixels ([`IcePaths::sums`]), signed, 8 bytes each |
+//! | 48 each, for each layer | layers of light of the pixels ([`LightLayers::sums`]), signed, 16 bytes each |
 //! | 32 | BLAKE3 of all bytes before |
 
 mod grade;
+mod header;
+mod layers;
 
 use crate::error::{Fault, FormatsError, room};
 use crate::{atomic, input};
-use snowgrain_film::{
-    BlockCounts, Film, FilmError, FilmIdentity, IcePathLayout, IcePaths, PixelRect, PixelSums,
-};
+use header::Header;
+use snowgrain_film::{BlockCounts, Film, FilmError, IcePaths, LightLayers, PixelSums};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"SNOWFILM";
-const VERSION: u32 = 3;
-/// Bytes before the grade.
-const HEADER_BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 4 + 4;
-/// Spectra of lights are few.
-const MOST_LIGHTS: u32 = 64;
-const RANGE_BYTES: u64 = 16;
-const HASH_BYTES: u64 = 32;
-/// Sums of ice paths that are read or written at once.
+/// Sums that are read or written at once.
 const SUMS_AT_ONCE: usize = 1 << 15;
 
 const MEND: &str = "copy or render it again";
@@ -70,25 +68,12 @@ pub(crate) fn is_film(start: &[u8]) -> bool {
 
 fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     let mut writer = Hashing { stream: writer, hasher: blake3::Hasher::new() };
-    writer.write_all(MAGIC)?;
-    let crop = film.crop();
-    let numbers = [VERSION, film.width(), film.height(), crop.x0, crop.y0, crop.x1, crop.y1];
-    numbers.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))?;
-    writer.write_all(&film.identity().scene_hash)?;
-    writer.write_all(&film.identity().seed.to_le_bytes())?;
-    let ranges = film.samples().as_slice();
-    let count = u32::try_from(ranges.len()).map_err(io::Error::other)?;
-    writer.write_all(&count.to_le_bytes())?;
-    let layout = film.ice_paths().map(IcePaths::layout);
-    let (lights, scale) = layout.map_or((0, 0), |layout| (layout.lights, layout.scale_exponent));
-    writer.write_all(&lights.to_le_bytes())?;
-    writer.write_all(&scale.to_le_bytes())?;
     let grade = grade::to_toml(&film.grade);
-    writer.write_all(&(grade.len() as u32).to_le_bytes())?;
-    let counts = film.block_counts().map_or(&[][..], BlockCounts::counts);
-    writer.write_all(&(counts.len() as u32).to_le_bytes())?;
+    let layers = layers::to_toml(film.light_layers().map(LightLayers::layers));
+    Header::of(film, &grade, &layers)?.write(&mut writer)?;
     writer.write_all(grade.as_bytes())?;
-    for range in ranges {
+    writer.write_all(layers.as_bytes())?;
+    for range in film.samples().as_slice() {
         writer.write_all(&range.start.to_le_bytes())?;
         writer.write_all(&range.end.to_le_bytes())?;
     }
@@ -98,85 +83,66 @@ fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     }
     film.pixels().iter().try_for_each(|sums| writer.write_all(&sums.to_le_bytes()))?;
     let ice = film.ice_paths().map_or(&[][..], IcePaths::sums);
-    let mut bytes = Vec::with_capacity(8 * SUMS_AT_ONCE);
-    for sums in ice.chunks(SUMS_AT_ONCE) {
-        bytes.clear();
-        sums.iter().for_each(|sum| bytes.extend_from_slice(&sum.to_le_bytes()));
-        writer.write_all(&bytes)?;
-    }
+    write_sums(&mut writer, ice, i64::to_le_bytes)?;
+    let light = film.light_layers().map_or(&[][..], LightLayers::sums).as_flattened();
+    write_sums(&mut writer, light, i128::to_le_bytes)?;
     let hash = writer.hasher.finalize();
     writer.stream.write_all(hash.as_bytes())
 }
 
+/// Writes sums of `N` bytes each.
+fn write_sums<T: Copy, const N: usize>(
+    writer: &mut impl Write,
+    sums: &[T],
+    to_bytes: fn(T) -> [u8; N],
+) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(N * SUMS_AT_ONCE.min(sums.len()));
+    for sums in sums.chunks(SUMS_AT_ONCE) {
+        bytes.clear();
+        sums.iter().for_each(|&sum| bytes.extend_from_slice(&to_bytes(sum)));
+        writer.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// Fills sums of `N` bytes each.
+fn read_sums<T, const N: usize>(
+    reader: &mut impl Read,
+    sums: &mut [T],
+    of_bytes: fn([u8; N]) -> T,
+) -> io::Result<()> {
+    let mut bytes = vec![0; N * SUMS_AT_ONCE.min(sums.len())];
+    for sums in sums.chunks_mut(SUMS_AT_ONCE) {
+        let bytes = &mut bytes[..N * sums.len()];
+        reader.read_exact(bytes)?;
+        for (sum, bytes) in sums.iter_mut().zip(bytes.as_chunks().0) {
+            *sum = of_bytes(*bytes);
+        }
+    }
+    Ok(())
+}
+
 fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     let mut reader = Hashing { stream: reader, hasher: blake3::Hasher::new() };
-    if !is_film(&array::<8>(&mut reader)?) {
-        return Err(Fault::whole("this is not a film of Snowgrain", "name a .film file"));
-    }
-    let version = u32::from_le_bytes(array(&mut reader)?);
-    if version != VERSION {
-        let what = format!("version {version} of film files is not known (this reads {VERSION})");
-        return Err(Fault::whole(what, "use the Snowgrain that wrote it"));
-    }
-    let mut number = || array(&mut reader).map(u32::from_le_bytes);
-    let (width, height) = (number()?, number()?);
-    let crop = PixelRect::new(number()?, number()?, number()?, number()?);
-    let scene_hash = array(&mut reader)?;
-    let seed = u64::from_le_bytes(array(&mut reader)?);
-    let ranges = u32::from_le_bytes(array(&mut reader)?);
-    let lights = u32::from_le_bytes(array(&mut reader)?);
-    let layout = (lights > 0).then_some(IcePathLayout {
-        lights: lights.min(MOST_LIGHTS),
-        scale_exponent: i32::from_le_bytes(array(&mut reader)?),
-    });
-    let grade_bytes = u32::from_le_bytes(array(&mut reader)?);
-    let counts = u32::from_le_bytes(array(&mut reader)?);
-    check_length(crop, ranges, layout, grade_bytes, counts, length)?;
-    let mut grade = vec![0; grade_bytes as usize];
-    reader.read_exact(&mut grade)?;
-    let grade = grade::from_toml(&grade).map_err(|what| Fault::whole(what, MEND))?;
-    if let Some(layout) = layout
-        && layout.lights as usize != grade.lights.len()
-    {
-        return Err(Fault::whole("its ice paths are not those of its lights", MEND));
-    }
-    let identity = FilmIdentity { scene_hash, seed };
-    let film_fault = |error: FilmError| match error {
-        FilmError::TooLarge { .. } => Fault::TooLarge("the film".into()),
-        error => Fault::whole(error.to_string(), MEND),
-    };
-    let mut film = Film::new(width, height, crop, identity).map_err(film_fault)?;
-    film.grade = grade;
-    if let Some(layout) = layout {
-        film = film.keeping_ice_paths(layout).map_err(film_fault)?;
-    }
-    for _ in 0..ranges {
+    let header = Header::read(&mut reader, length)?;
+    let mut film = empty_film(&mut reader, &header)?;
+    for _ in 0..header.ranges {
         let start = u64::from_le_bytes(array(&mut reader)?);
         let end = u64::from_le_bytes(array(&mut reader)?);
         let recorded = film.record_samples(start..end);
         recorded.map_err(|error| Fault::whole(error.to_string(), MEND))?;
     }
-    if counts > 0 {
-        let relative_error = f64::from_le_bytes(array(&mut reader)?);
-        let mut list = room(counts as usize, "counts of samples")?;
-        for _ in 0..counts {
-            list.push(u32::from_le_bytes(array(&mut reader)?));
-        }
-        let counts = BlockCounts::new(crop, relative_error, list).map_err(film_fault)?;
+    if header.block_counts > 0 {
+        let counts = read_counts(&mut reader, &header)?;
         film = film.with_block_counts(counts).map_err(film_fault)?;
     }
     for sums in film.pixels_mut() {
         *sums = PixelSums::from_le_bytes(&array(&mut reader)?);
     }
     let ice = film.ice_paths_mut().map_or(&mut [][..], IcePaths::sums_mut);
-    let mut bytes = vec![0; 8 * SUMS_AT_ONCE];
-    for sums in ice.chunks_mut(SUMS_AT_ONCE) {
-        let bytes = &mut bytes[..8 * sums.len()];
-        reader.read_exact(bytes)?;
-        for (sum, bytes) in sums.iter_mut().zip(bytes.as_chunks().0) {
-            *sum = i64::from_le_bytes(*bytes);
-        }
-    }
+    read_sums(&mut reader, ice, i64::from_le_bytes)?;
+    let light = film.light_layers_mut().map_or(&mut [][..], LightLayers::sums_mut);
+    read_sums(&mut reader, light.as_flattened_mut(), i128::from_le_bytes)?;
     let hash = reader.hasher.finalize();
     let mut written = [0; 32];
     reader.stream.read_exact(&mut written)?;
@@ -186,28 +152,51 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     Ok(film)
 }
 
-/// Compares the length of the file with what its header claims, before memory is taken.
-fn check_length(
-    crop: PixelRect,
-    ranges: u32,
-    layout: Option<IcePathLayout>,
-    grade_bytes: u32,
-    counts: u32,
-    length: u64,
-) -> Result<(), Fault> {
-    let counts_bytes = if counts > 0 { 8 + 4 * u64::from(counts) } else { 0 };
-    let fixed = HEADER_BYTES
-        + u64::from(grade_bytes)
-        + u64::from(ranges) * RANGE_BYTES
-        + counts_bytes
-        + HASH_BYTES;
-    let pixel_bytes = PixelSums::BYTES as u64 + layout.map_or(0, IcePathLayout::bytes);
-    let expected = u128::from(fixed) + u128::from(crop.area()) * u128::from(pixel_bytes);
-    if expected == u128::from(length) {
-        return Ok(());
+/// The film that a header and the texts after it describe, without samples.
+fn empty_film(reader: &mut impl Read, header: &Header) -> Result<Film, Fault> {
+    let mut text = |bytes: u32| {
+        let mut text = vec![0; bytes as usize];
+        reader.read_exact(&mut text).map(|()| text)
+    };
+    let grade = text(header.grade_bytes)?;
+    let grade = grade::from_toml(&grade).map_err(|what| Fault::whole(what, MEND))?;
+    let names = text(header.layers_bytes)?;
+    if header.ice_paths.is_some_and(|layout| layout.lights as usize != grade.lights.len()) {
+        return Err(Fault::whole("its ice paths are not those of its lights", MEND));
     }
-    let what = format!("a film of {} pixels has {expected} bytes, not {length}", crop.area());
-    Err(Fault::whole(what, MEND))
+    let Header { width, height, crop, identity, .. } = *header;
+    let mut film = Film::new(width, height, crop, identity).map_err(film_fault)?;
+    if let Some(layout) = header.ice_paths {
+        film = film.keeping_ice_paths(layout).map_err(film_fault)?;
+    }
+    if header.light_layers > 0 {
+        let layers = layers::from_toml(&names).map_err(|what| Fault::whole(what, MEND))?;
+        let slots = layers.layer_of_slot().len();
+        if layers.count() != header.light_layers as usize || slots != grade.lights.len() {
+            return Err(Fault::whole("its layers of light are not those of its lights", MEND));
+        }
+        film = film.keeping_light_layers(layers).map_err(film_fault)?;
+    }
+    film.grade = grade;
+    film.vertical_fov_degrees = header.vertical_fov_degrees;
+    Ok(film)
+}
+
+/// The counts of samples by block.
+fn read_counts(reader: &mut impl Read, header: &Header) -> Result<BlockCounts, Fault> {
+    let relative_error = f64::from_le_bytes(array(reader)?);
+    let mut counts = room(header.block_counts as usize, "counts of samples")?;
+    for _ in 0..header.block_counts {
+        counts.push(u32::from_le_bytes(array(reader)?));
+    }
+    BlockCounts::new(header.crop, relative_error, counts).map_err(film_fault)
+}
+
+fn film_fault(error: FilmError) -> Fault {
+    match error {
+        FilmError::TooLarge { .. } => Fault::TooLarge("the film".into()),
+        error => Fault::whole(error.to_string(), MEND),
+    }
 }
 
 fn array<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], Fault> {
@@ -246,7 +235,9 @@ impl<R: Read> Read for Hashing<R> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use snowgrain_film::{FilmTile, Sample};
+    use snowgrain_film::{
+        FilmIdentity, FilmTile, IcePathLayout, Kept, LightLayerNames, PixelRect, Sample,
+    };
     use snowgrain_optics::{
         Absorption, Grade, Illuminant, Impurity, ImpurityKind, Load, Primaries,
     };
@@ -271,12 +262,16 @@ mod tests {
         film
     }
 
-    /// With ice paths of two lights.
+    /// With ice paths and layers of two lights.
     fn graded(length: f64) -> Film {
         let crop = PixelRect::new(0, 0, 2, 2);
         let identity = FilmIdentity { scene_hash: [3; 32], seed: 1 };
         let layout = IcePathLayout::for_radiance(2, 40.0);
-        let mut film = Film::new(2, 2, crop, identity).unwrap().keeping_ice_paths(layout).unwrap();
+        let names = ["sun", "glints"].map(str::to_owned).to_vec();
+        let names = LightLayerNames::new(names, vec![0, 0]).unwrap();
+        let film = Film::new(2, 2, crop, identity).unwrap().keeping_ice_paths(layout).unwrap();
+        let mut film = film.keeping_light_layers(names).unwrap();
+        film.vertical_fov_degrees = Some(33.5);
         film.grade = Grade {
             primaries: Primaries::AcesCg,
             lights: vec![Illuminant::A, Illuminant::D65],
@@ -286,19 +281,28 @@ mod tests {
                 Impurity { kind: ImpurityKind::SnowAlgae, load: Load::CellsPerKilogram(1e7) },
             ],
             enhancement: 1.253_5,
+            exposure_stops: -14.75 * length,
         };
-        let mut tile = FilmTile::keeping_ice_paths(crop, layout).unwrap();
+        let kept = Kept { ice_paths: Some(layout), light_layers: 2 };
+        let mut tile = FilmTile::keeping(crop, kept).unwrap();
+        let layers = [[0.5, -0.25, 1e9], [0.25, 0.0, -3.0]];
+        tile.add_light_layers(0, 1, [0.75, -0.25, 999_999_997.0], &layers).unwrap();
         tile.add_ice_path(1, 0, length, &[[0.5, 0.25, -0.1], [40.0, 0.0, 3.0]]).unwrap();
         film.merge_tile(&tile).unwrap();
         film
     }
 
     #[test]
-    fn a_film_of_other_lights_than_its_ice_paths_is_refused() {
+    fn a_film_of_other_lights_than_its_ice_paths_or_layers_is_refused() {
         let mut film = graded(1.0);
         film.grade.lights.pop();
         let error = read_bytes(&written(&film)).unwrap_err().to_string();
         assert!(error.contains("ice paths"), "{error}");
+        let names = LightLayerNames::new(vec!["sky".into()], vec![0]).unwrap();
+        let film = self::film(&[1.0]).keeping_light_layers(names).unwrap();
+        assert!(film.grade.lights.is_empty());
+        let error = read_bytes(&written(&film)).unwrap_err().to_string();
+        assert!(error.contains("layers of light"), "{error}");
     }
 
     fn written(film: &Film) -> Vec<u8> {
@@ -319,7 +323,7 @@ mod tests {
         }
 
         #[test]
-        fn ice_paths_and_grades_come_back_as_they_were(length in 0.0..2000.0f64) {
+        fn ice_paths_layers_and_grades_come_back_as_they_were(length in 0.0..2000.0f64) {
             let film = graded(length);
             prop_assert_eq!(read_bytes(&written(&film)).unwrap(), film);
         }
@@ -369,9 +373,9 @@ mod tests {
     #[test]
     fn other_versions_and_files_are_refused() {
         let mut bytes = written(&film(&[1.0]));
-        bytes[8] = 1;
+        bytes[8] = 2;
         let error = read_bytes(&bytes).unwrap_err().to_string();
-        assert!(error.contains("version 1"), "{error}");
+        assert!(error.contains("version 2 of film files is not read"), "{error}");
         bytes[0] = b'X';
         let error = read_bytes(&bytes).unwrap_err().to_string();
         assert!(error.contains("not a film"), "{error}");

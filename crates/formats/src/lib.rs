@@ -8,15 +8,19 @@
 //! | content | read | write |
 //! |---|---|---|
 //! | scene (TOML) | [`scene`] | |
-//! | mesh (OBJ, PLY) | [`load_mesh`] | |
+//! | mesh (OBJ, PLY, glTF) | [`load_mesh`] | |
+//! | shot (glTF) | [`read_gltf`] | |
 //! | grains (PLY) | [`read_grains`] | [`write_grains`] |
 //! | film | [`read_film`] | [`write_film`] |
 //! | layers of snow (TOML) | [`laboratory::read_layers`] | |
+//! | map of all directions (HDR, EXR) | [`load_environment`] | |
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
+mod environment;
 mod error;
 mod film_file;
+mod gltf;
 mod grains;
 pub mod image;
 mod input;
@@ -26,7 +30,12 @@ mod ply;
 pub mod scene;
 pub mod tev;
 
+pub use environment::load_environment;
 pub use error::{FormatsError, Place};
 pub use film_file::{read_film, write_film};
+pub use gltf::{
+    ImportedCamera, ImportedLight, ImportedLightKind, ImportedMaterial, ImportedObject,
+    ImportedProjection, ImportedScene, read_gltf,
+};
 pub use grains::{read_grains, write_grains};
 pub use mesh::{PlyContent, load_mesh, ply_content};

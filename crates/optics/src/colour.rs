@@ -1,7 +1,9 @@
 //! What the eye makes of a spectrum: CIE 1931 colour, and the primaries that pictures are in.
 
+use crate::clear_sky::{self, GREATEST_ZENITH, SunZenith};
 use crate::{Spectrum, table};
 use snowgrain_math::{DMat3, DVec3};
+use std::borrow::Cow;
 use std::sync::LazyLock;
 
 /// Wavelengths that colours are summed over, nm.
@@ -19,7 +21,11 @@ static D55: LazyLock<Spectrum> =
 static A: LazyLock<Spectrum> =
     LazyLock::new(|| table::column(include_str!("../data/cie_a.csv"), "power"));
 
-/// Standard light.
+/// What names of lights of a clear day begin with; the zenith angle of the sun follows.
+const SUN: &str = "sun-";
+const CLEAR_SKY: &str = "clear-sky-";
+
+/// The spectrum of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Illuminant {
     /// CIE D65: average daylight, 6504 K.
@@ -30,20 +36,45 @@ pub enum Illuminant {
     A,
     /// The same power at every wavelength.
     EqualEnergy,
+    /// The sun at this zenith angle, through clear air over snow ([`clear_sky`]).
+    Sun(SunZenith),
+    /// The clear sky over snow with the sun at this zenith angle ([`clear_sky`]).
+    ClearSky(SunZenith),
 }
 
 impl Illuminant {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::D65, Self::D55, Self::A, Self::EqualEnergy];
+    /// Those of the CIE.
+    pub const STANDARD: [Self; 4] = [Self::D65, Self::D55, Self::A, Self::EqualEnergy];
 
-    /// The name by which users choose it.
+    /// The name by which users choose it; of sun and sky with the zenith angle of the sun in degrees, as in
+    /// "sun-48.2" and "clear-sky-48.2".
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> Cow<'static, str> {
         match self {
-            Self::D65 => "d65",
-            Self::D55 => "d55",
-            Self::A => "a",
-            Self::EqualEnergy => "equal-energy",
+            Self::D65 => "d65".into(),
+            Self::D55 => "d55".into(),
+            Self::A => "a".into(),
+            Self::EqualEnergy => "equal-energy".into(),
+            Self::Sun(zenith) => format!("{SUN}{}", zenith.degrees()).into(),
+            Self::ClearSky(zenith) => format!("{CLEAR_SKY}{}", zenith.degrees()).into(),
+        }
+    }
+
+    /// The light of this name; `None` where there is none, or the sun stands where its spectrum is not known
+    /// (zenith angles of 0 to 75 degrees are).
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        if let Some(known) = Self::STANDARD.into_iter().find(|known| known.name() == name) {
+            return Some(known);
+        }
+        let zenith = |degrees: &str| {
+            let degrees = degrees.parse().ok()?;
+            (0.0..=GREATEST_ZENITH).contains(&degrees).then(|| SunZenith::new(degrees))
+        };
+        match (name.strip_prefix(SUN), name.strip_prefix(CLEAR_SKY)) {
+            (Some(degrees), _) => zenith(degrees).map(Self::Sun),
+            (None, Some(degrees)) => zenith(degrees).map(Self::ClearSky),
+            (None, None) => None,
         }
     }
 
@@ -67,8 +98,19 @@ impl Illuminant {
             Self::D55 => D55.at(wavelength_nm),
             Self::A => A.at(wavelength_nm),
             Self::EqualEnergy => 100.0,
+            Self::Sun(zenith) => relative_to_560(wavelength_nm, |nm| {
+                clear_sky::across_and_diffuse(zenith.degrees(), nm)[0]
+            }),
+            Self::ClearSky(zenith) => relative_to_560(wavelength_nm, |nm| {
+                clear_sky::across_and_diffuse(zenith.degrees(), nm)[1]
+            }),
         }
     }
+}
+
+/// Percent of the power at 560 nm.
+fn relative_to_560(wavelength_nm: f64, power: impl Fn(f64) -> f64) -> f64 {
+    100.0 * power(wavelength_nm) / power(560.0)
 }
 
 /// The colour matching functions of the CIE 1931 2-degree observer at a wavelength.
@@ -108,6 +150,14 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(0.2664, 1.7135, -0.0685),
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
+
+/// The matrix that adapts tristimulus values from one white to another, by the cones of Bradford (Lam 1985;
+/// ICC.1:2022, annex E).
+#[must_use]
+pub fn bradford(from: DVec3, to: DVec3) -> DMat3 {
+    let [from, to] = [from, to].map(|white| BRADFORD * white);
+    BRADFORD.inverse() * DMat3::from_diagonal(to / from) * BRADFORD
+}
 
 /// Sets of primaries for pictures, linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -164,9 +214,7 @@ impl Primaries {
             }
             Self::AcesCg => {
                 let white = self.to_xyz() * DVec3::ONE;
-                let [from, to] = [daylight, white].map(|white| BRADFORD * white);
-                let adapted = BRADFORD.inverse() * DMat3::from_diagonal(to / from) * BRADFORD;
-                self.to_xyz().inverse() * adapted
+                self.to_xyz().inverse() * bradford(daylight, white)
             }
         }
     }
@@ -186,6 +234,7 @@ impl Primaries {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use snowgrain_math::trig;
 
     #[test]
     fn white_light_has_the_chromaticity_of_its_name() {
@@ -199,6 +248,41 @@ mod tests {
             let [found_x, found_y] = chromaticity(white);
             assert!((white.y - 1.0).abs() < 1e-12);
             assert!((found_x - x).abs() < 1e-4 && (found_y - y).abs() < 1e-4, "{illuminant:?}");
+        }
+    }
+
+    #[test]
+    fn sun_and_clear_sky_have_their_colours() {
+        // Sky about (.255, .265), sun and sky together about (.320, .332) at usual elevations.
+        for zenith in [30.0, 48.2, 60.0] {
+            let [across, diffuse] = clear_sky::illuminances(zenith);
+            let sun = across * trig::sin_cos(zenith.to_radians()).1;
+            let of = |light: Illuminant| tristimulus(light, |_| 1.0);
+            let angle = SunZenith::new(zenith);
+            let sky = of(Illuminant::ClearSky(angle));
+            let both = of(Illuminant::Sun(angle)) * sun + sky * diffuse;
+            println!("zenith {zenith}: sky {:?}, both {:?}", chromaticity(sky), chromaticity(both));
+            for ([x, y], [expected_x, expected_y]) in
+                [(chromaticity(sky), [0.255, 0.265]), (chromaticity(both), [0.320, 0.332])]
+            {
+                let near = (x - expected_x).abs() < 0.01 && (y - expected_y).abs() < 0.01;
+                assert!(near, "{zenith}: {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn lights_are_found_by_their_names() {
+        let zenith = SunZenith::new(48.2);
+        for light in Illuminant::STANDARD
+            .into_iter()
+            .chain([Illuminant::Sun(zenith), Illuminant::ClearSky(zenith)])
+        {
+            assert_eq!(Illuminant::from_name(&light.name()), Some(light));
+        }
+        assert_eq!(Illuminant::from_name("sun-48.2"), Some(Illuminant::Sun(zenith)));
+        for unknown in ["sun", "sun-", "sun-80", "clear-sky--1", "sun-nan", "d50", ""] {
+            assert_eq!(Illuminant::from_name(unknown), None, "{unknown}");
         }
     }
 

@@ -18,6 +18,9 @@ pub struct Grade {
     /// beside the grains absorb for each metre of ice ([`crate::sphere::absorption_enhancement`]); 0 where
     /// there are no impurities.
     pub enhancement: f64,
+    /// Exposure at which the picture is meant to be shown, stops: 1 is white after a multiplication by
+    /// 2^this.
+    pub exposure_stops: f64,
 }
 
 impl Grade {

@@ -14,6 +14,7 @@
 
 pub mod clear_sky;
 pub mod colour;
+pub mod colour_temperature;
 pub mod dielectric;
 pub mod fresnel;
 pub mod grade;
@@ -23,14 +24,17 @@ pub mod ice_path;
 pub mod impurity;
 pub mod phase;
 mod quadrature;
+pub mod scatter;
 pub mod spectrum;
 pub mod sphere;
 pub mod strata_colour;
+pub mod sun_position;
 mod table;
 pub mod theory;
 pub mod uplift;
 pub mod water;
 
+pub use clear_sky::SunZenith;
 pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;
 pub use grade::Grade;
@@ -38,5 +42,7 @@ pub use ice::{Absorption, IceAbsorption};
 pub use ice_colour::IceColour;
 pub use ice_path::IcePath;
 pub use impurity::{Impurity, ImpurityKind, Load};
+pub use phase::PhaseTable;
+pub use scatter::{Connection, Connector, ScatterTable};
 pub use spectrum::Spectrum;
 pub use strata_colour::StrataColour;

@@ -79,6 +79,7 @@ mod tests {
             absorption: Absorption::default(),
             impurities: Vec::new(),
             enhancement: 1.2535,
+            exposure_stops: 0.0,
         };
         let loaded = Grade { impurities: vec![soot, dust], ..grade.clone() };
         let strata = grade.strata_colours(&[vec![soot, dust], vec![soot]]);

@@ -2,11 +2,12 @@
 //! defaults filled in. [`crate::Scene::build`] turns it into what light can travel through.
 
 use crate::Strata;
+pub use crate::light::{LightDescription, LightKind};
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
 use snowgrain_math::{DAffine3, DVec3};
-use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
+use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::sync::Arc;
 
 /// Everything that decides a picture. Metres, radians only where named, y up.
@@ -28,6 +29,8 @@ pub struct SceneDescription {
     pub strata: Strata,
     /// How light is traced.
     pub integrator: IntegratorKind,
+    /// How lights are found.
+    pub light_finding: LightFinding,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
 }
@@ -50,19 +53,33 @@ pub struct FilmDescription {
     /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
     /// chosen after the render.
     pub keep_ice_paths: bool,
+    /// Exposure at which the picture is meant to be shown, stops; it changes no sums.
+    pub exposure_stops: f64,
+    /// Whether the film keeps the light of each group of lights apart even where there is only one; where
+    /// there are several it always does.
+    pub keep_light_groups: bool,
 }
 
 impl FilmDescription {
     /// A film of sRGB that keeps nothing but the picture.
     #[must_use]
     pub fn new(width: u32, height: u32, samples_per_pixel: u32, seed: u64) -> Self {
-        let (sampler, primaries) = (Sampler::default(), Primaries::Srgb);
-        Self { width, height, samples_per_pixel, seed, sampler, primaries, keep_ice_paths: false }
+        Self {
+            width,
+            height,
+            samples_per_pixel,
+            seed,
+            sampler: Sampler::default(),
+            primaries: Primaries::Srgb,
+            keep_ice_paths: false,
+            keep_light_groups: false,
+            exposure_stops: 0.0,
+        }
     }
 }
 
-/// The closed set of ways to choose the first numbers of a path: where in its pixel it begins. All that
-/// follows is independent whatever this is.
+/// The closed set of ways to choose the first numbers of a path: where in its pixel, and on the lens, it
+/// begins. All that follows is independent whatever this is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sampler {
     /// Independent samples, whose spread says exactly how uncertain their mean is.
@@ -72,19 +89,76 @@ pub enum Sampler {
     Sobol,
 }
 
-/// A pinhole camera.
+/// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
-    /// Position, metres.
+    /// Position, metres: the middle of the lens, or of the plane in which parallel rays start.
     pub from: DVec3,
     /// Point looked at, metres.
     pub at: DVec3,
     /// Up direction.
     pub up: DVec3,
-    /// Vertical field of view, degrees, in (0, 180).
-    pub vertical_fov_degrees: f64,
+    /// How points come to the picture.
+    pub projection: Projection,
     /// Radiance that a camera ray sees where it meets nothing and no visible light.
     pub backdrop: [f32; 3],
+}
+
+/// The closed set of projections.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays spread from a point or a lens.
+    Perspective {
+        /// Vertical field of view, degrees, in (0, 180); that of a lens focused at infinity.
+        vertical_fov_degrees: f64,
+        /// The lens; `None` for a pinhole, to which all is sharp.
+        lens: Option<Lens>,
+    },
+    /// Parallel rays, from the plane through the camera's position.
+    Orthographic {
+        /// How much of the world the picture is high, metres, above 0.
+        height: f64,
+    },
+}
+
+impl Projection {
+    /// A pinhole with this vertical field of view.
+    #[must_use]
+    pub fn pinhole(vertical_fov_degrees: f64) -> Self {
+        Self::Perspective { vertical_fov_degrees, lens: None }
+    }
+
+    /// Whether it is focused on what it sees.
+    #[must_use]
+    pub fn finds_focus(&self) -> bool {
+        match self {
+            Self::Perspective { lens: Some(lens), .. } => lens.focus == Focus::Surface,
+            Self::Perspective { lens: None, .. } | Self::Orthographic { .. } => false,
+        }
+    }
+}
+
+/// What a lens is focused on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Focus {
+    /// The plane at this distance along the view, metres, above 0.
+    Distance(f64),
+    /// What the middle of the picture shows, found once all snow lies.
+    Surface,
+}
+
+/// A thin lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lens {
+    /// Diameter of the entrance pupil, metres, above 0.
+    pub diameter: f64,
+    /// What is sharp.
+    pub focus: Focus,
+    /// Blades of the diaphragm: 0 (round), or at least 3 (a regular polygon with its corners on the
+    /// circle of the diameter).
+    pub blades: u32,
+    /// Rotation of the polygon, degrees counter-clockwise; at 0 a corner is up.
+    pub blade_rotation_degrees: f64,
 }
 
 /// Index of refraction of water: 1.333 at 550 nm (Hale and Querry 1973, Appl. Opt. 12, 555).
@@ -131,49 +205,6 @@ impl IceDescription {
     }
 }
 
-/// The closed set of lights.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightDescription {
-    /// The paper's diffuse hemisphere above y = 0 at infinity.
-    Sky {
-        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
-        radiance: [f32; 3],
-        /// Spectrum.
-        spectrum: Illuminant,
-        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
-        visible_to_camera: bool,
-    },
-    /// The whole sphere at infinity.
-    Uniform {
-        /// Radiance, linear sRGB, as a colour and brightness of the spectrum.
-        radiance: [f32; 3],
-        /// Spectrum.
-        spectrum: Illuminant,
-        /// Whether a camera ray that meets nothing sees it (else it sees the backdrop).
-        visible_to_camera: bool,
-    },
-}
-
-impl LightDescription {
-    /// Its spectrum.
-    #[must_use]
-    pub fn spectrum(&self) -> Illuminant {
-        match *self {
-            Self::Sky { spectrum, .. } | Self::Uniform { spectrum, .. } => spectrum,
-        }
-    }
-
-    /// Whether a camera ray that meets nothing sees it.
-    #[must_use]
-    pub fn visible_to_camera(&self) -> bool {
-        match *self {
-            Self::Sky { visible_to_camera, .. } | Self::Uniform { visible_to_camera, .. } => {
-                visible_to_camera
-            }
-        }
-    }
-}
-
 /// A solid diffuse object.
 #[derive(Clone, Debug)]
 pub struct ObjectDescription {
@@ -216,7 +247,19 @@ pub enum SnowDescription {
 /// The closed set of integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum IntegratorKind {
-    /// Exact: every grain is met, light is found by escape only.
+    /// Every grain is met.
     #[default]
     Grains,
+}
+
+/// How light is found by paths among grains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum LightFinding {
+    /// Exact: where a path escapes or meets it, and nowhere else.
+    #[default]
+    Exact,
+    /// All lights but skies are looked for at every grain and surface ([`crate::transport::seek`]).
+    Sampled,
+    /// All lights are looked for.
+    AllSampled,
 }

@@ -3,6 +3,7 @@
 use snowgrain_accel::GridError;
 use snowgrain_film::FilmError;
 use snowgrain_grains::GrainsError;
+use snowgrain_math::DVec3;
 use thiserror::Error;
 
 /// Why a scene cannot be rendered.
@@ -22,6 +23,37 @@ pub enum RenderError {
     /// Snow cannot be packed for light.
     #[error("{0}")]
     Grid(#[from] GridError),
+    /// A picture that is no map of all directions.
+    #[error(
+        "the picture has {width}x{height} pixels; a map of all directions is twice as wide as high, and at most {} wide",
+        crate::light::LARGEST_MAP
+    )]
+    MapSize {
+        /// Pixels across.
+        width: usize,
+        /// Pixels down.
+        height: usize,
+    },
+    /// Pixels that do not make the picture.
+    #[error("{pixels} pixels do not make a map of {width}x{height}")]
+    MapPixels {
+        /// Pixels across.
+        width: usize,
+        /// Pixels down.
+        height: usize,
+        /// Pixels given.
+        pixels: usize,
+    },
+    /// A pixel that is no radiance.
+    #[error("pixel ({x}, {y}) of the map holds {value}; radiances are finite and not negative")]
+    MapValue {
+        /// Column, from 0.
+        x: usize,
+        /// Row, from 0.
+        y: usize,
+        /// The value.
+        value: f32,
+    },
     /// The film refused a sample or a size.
     #[error("{0}")]
     Film(#[from] FilmError),
@@ -34,6 +66,17 @@ pub enum RenderError {
         x: u32,
         /// Row of the pixel.
         y: u32,
+    },
+    /// A camera ray would start in ice.
+    #[error(
+        "camera: its rays start within grains of snow, near [{}, {}, {}]; move the camera out of the snow, or give it a smaller aperture",
+        point.x,
+        point.y,
+        point.z
+    )]
+    CameraInIce {
+        /// Where, metres.
+        point: DVec3,
     },
     /// The scene needs more memory than there is.
     #[error(

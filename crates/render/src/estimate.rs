@@ -2,9 +2,11 @@
 
 use crate::camera::Camera;
 use crate::description::{
-    ObjectDescription, ObjectShape, Packing, SceneDescription, SnowDescription,
+    LightDescription, LightKind, ObjectDescription, ObjectShape, Packing, SceneDescription,
+    SnowDescription,
 };
-use crate::light::Environment;
+use crate::light::slots_of;
+use crate::scene;
 use core::f64::consts::PI;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
@@ -64,7 +66,7 @@ pub struct CostEstimate {
     pub grain_bytes: u64,
     /// Memory that only the making of the snow needs, bytes.
     pub building_bytes: u64,
-    /// Memory of the surfaces, bytes.
+    /// Memory of the surfaces and of maps of all directions, bytes.
     pub surface_bytes: u64,
     /// Memory of film and picture, bytes.
     pub film_bytes: u64,
@@ -88,6 +90,7 @@ impl CostEstimate {
             let triangles = if meshes.len() > known { triangles(object) } else { 0.0 };
             cost.surface_bytes += (triangles * BYTES_PER_TRIANGLE + BYTES_PER_OBJECT) as u64;
         }
+        cost.surface_bytes += description.lights.iter().map(map_bytes).sum::<u64>();
         let objects = bounds;
         for snow in &description.snow {
             let (grains, body) = match snow {
@@ -108,20 +111,23 @@ impl CostEstimate {
             let noted = (cost.grains as f64 * BYTES_PER_NOTED_GRAIN) as u64;
             cost.building_bytes = cost.building_bytes.saturating_add(noted);
         }
-        let kept = PixelSums::BYTES as u64 + Self::ice_path_bytes(description);
+        let kept = PixelSums::BYTES as u64 + Self::kept_bytes(description);
         cost.film_bytes = crop.area() * (FILMS * kept + PICTURE_BYTES_PER_PIXEL);
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
         cost
     }
 
-    /// Bytes a pixel of the light by length in ice, where the film keeps it.
-    fn ice_path_bytes(description: &SceneDescription) -> u64 {
+    /// Bytes a pixel of what the film keeps beside its sums.
+    fn kept_bytes(description: &SceneDescription) -> u64 {
+        let slots = slots_of(&description.lights, description.camera.backdrop);
+        // Layers that a film cannot have are refused when the scene is built.
+        let layers = scene::light_layers(description, &slots).ok().flatten();
+        let layers = layers.map_or(0, |layers| layers.bytes());
         if !description.film.keep_ice_paths {
-            return 0;
+            return layers;
         }
-        let environment = Environment::new(&description.lights, description.camera.backdrop);
-        IcePathLayout::for_radiance(environment.spectra().len() as u32, 1.0).bytes()
+        layers + IcePathLayout::for_radiance(slots.len() as u32, 1.0).bytes()
     }
 
     /// The memory of so many grains that fall and are packed, whatever lies around them.
@@ -203,7 +209,7 @@ fn nominal_fraction(settings: &DepositSettings) -> f64 {
 }
 
 /// Number of grains of a snowfall and the box that they will fill, on what fills `below`.
-fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
+pub(crate) fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
     let margin = 2.0 * settings.radii.largest();
     let mut plan = if below.is_empty() { Aabb::new(DVec3::ZERO, DVec3::ZERO) } else { *below };
     match settings.area {
@@ -224,7 +230,7 @@ fn fallen(settings: &DepositSettings, below: &Aabb) -> (f64, Aabb) {
     (grains, plan)
 }
 
-fn lattice_box(settings: &LatticeSettings) -> Aabb {
+pub(crate) fn lattice_box(settings: &LatticeSettings) -> Aabb {
     // Cells are at most two spacings wide; a loose box does, it only says what the camera sees.
     let spacing = settings.spacing.unwrap_or(2.0 * settings.radius);
     let cell = match settings.kind.grains_per_cell() {
@@ -235,7 +241,6 @@ fn lattice_box(settings: &LatticeSettings) -> Aabb {
     Aabb::new(DVec3::ZERO, DVec3::from_array(settings.counts.map(|n| f64::from(n) * cell)))
 }
 
-/// Whether the snow is one whole lattice clear of all objects, which takes no memory.
 /// Radius of the grains of some snow, metres: the largest, where they differ.
 fn radius_of(snow: &SnowDescription) -> f64 {
     match snow {
@@ -247,6 +252,7 @@ fn radius_of(snow: &SnowDescription) -> f64 {
     }
 }
 
+/// Whether the snow is one whole lattice clear of all objects, which takes no memory.
 fn implicit(description: &SceneDescription, objects: &Aabb) -> bool {
     let [SnowDescription::Lattice(settings)] = description.snow.as_slice() else { return false };
     let quantisation = Quantisation::for_grains(DVec3::ZERO, settings.radius);
@@ -279,7 +285,7 @@ fn triangles(object: &ObjectDescription) -> f64 {
 
 /// The box around a finite object, metres; empty for an infinite one. `meshes` holds the boxes of
 /// the meshes seen before, the teapot as none.
-fn bounds_of(
+pub(crate) fn bounds_of(
     object: &ObjectDescription,
     meshes: &mut HashMap<Option<*const TriangleMesh>, Aabb>,
 ) -> Aabb {
@@ -310,10 +316,20 @@ fn seen(description: &SceneDescription, crop: PixelRect, bounds: &Aabb) -> f64 {
         .filter(|probe| {
             let x = at(crop.x0, crop.width(), probe % PROBES);
             let y = at(crop.y0, crop.height(), probe / PROBES);
-            bounds.intersect(&camera.ray(x, y)).is_some()
+            bounds.intersect(&camera.ray(x, y, [0.5; 2])).is_some()
         })
         .count();
     hits as f64 / f64::from(PROBES * PROBES)
+}
+
+/// The memory of a light's map of all directions with what directions are drawn by, bytes.
+fn map_bytes(light: &LightDescription) -> u64 {
+    match &light.kind {
+        LightKind::Environment { map, .. } => {
+            map.pixels().len() as u64 * (size_of::<[f32; 3]>() + size_of::<f64>()) as u64
+        }
+        _ => 0,
+    }
 }
 
 #[cfg(test)]
@@ -321,11 +337,12 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
+        LightFinding, LightKind, Projection,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
     use snowgrain_math::DAffine3;
-    use snowgrain_optics::{Illuminant, Impurity, ImpurityKind, Load};
+    use snowgrain_optics::{Impurity, ImpurityKind, Load};
 
     const CROP: PixelRect = PixelRect::new(0, 0, 64, 48);
 
@@ -336,19 +353,16 @@ mod tests {
                 from: DVec3::new(0.0, 0.2, 0.3),
                 at: DVec3::ZERO,
                 up: DVec3::Y,
-                vertical_fov_degrees: 40.0,
+                projection: Projection::pinhole(40.0),
                 backdrop: [0.0; 3],
             },
             ice: IceDescription::clear(1.31),
-            lights: vec![LightDescription::Sky {
-                radiance: [1.0; 3],
-                spectrum: Illuminant::D65,
-                visible_to_camera: true,
-            }],
+            lights: vec![LightDescription::new(LightKind::Sky, [1.0; 3])],
             objects,
             snow,
             strata: Strata::default(),
             integrator: IntegratorKind::Grains,
+            light_finding: LightFinding::Exact,
             packing: None,
         }
     }
@@ -411,7 +425,7 @@ mod tests {
     }
 
     #[test]
-    fn strata_and_ice_paths_are_counted() {
+    fn strata_ice_paths_and_layers_of_light_are_counted() {
         let soot = Impurity { kind: ImpurityKind::BlackCarbon, load: Load::MassFraction(1e-6) };
         let mut snow = scene(vec![table()], vec![lattice([9; 3], None)]);
         let plain = CostEstimate::of(&snow, CROP);
@@ -420,6 +434,9 @@ mod tests {
         let more = CostEstimate::of(&snow, CROP);
         assert_eq!(more.building_bytes - plain.building_bytes, 729 * 45);
         assert_eq!(more.film_bytes - plain.film_bytes, CROP.area() * FILMS * 768);
+        snow.film.keep_light_groups = true;
+        let layers = CostEstimate::of(&snow, CROP);
+        assert_eq!(layers.film_bytes - more.film_bytes, CROP.area() * FILMS * 48);
     }
 
     #[test]

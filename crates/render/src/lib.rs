@@ -15,6 +15,7 @@ mod scene_hash;
 mod statistics;
 mod strata;
 pub mod transport;
+mod view;
 pub mod world;
 
 pub use error::RenderError;
@@ -27,4 +28,5 @@ pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of
 pub use snowgrain_accel::{STRATA, SimdLevel};
 pub use statistics::Statistics;
 pub use strata::Strata;
+pub use view::View;
 pub use world::World;

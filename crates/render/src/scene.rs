@@ -1,17 +1,19 @@
 //! A scene that light can travel through.
 
 use crate::camera::Camera;
-use crate::description::{ObjectShape, SceneDescription, SnowDescription};
-use crate::light::Environment;
+use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
+use crate::transport::seek::{LightSearch, Sought};
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
+use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
 use snowgrain_geometry::{Quantisation, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
-use snowgrain_math::{Aabb, DVec3};
+use snowgrain_math::{Aabb, DAffine3, DVec3};
 use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
@@ -39,6 +41,8 @@ pub enum BuildStage {
     },
     /// Grains are packed for light.
     Packing,
+    /// What the search for light forgets is measured ([`crate::transport::seek::calibrate`]).
+    Light,
 }
 
 /// What a build made.
@@ -62,13 +66,19 @@ pub struct Scene {
     /// The camera.
     pub camera: Camera,
     /// The lights.
-    pub environment: Environment,
+    pub lights: Lights,
     /// What turns lengths in ice into colours.
     pub grade: Grade,
-    /// The colours of each spectrum of the environment after any length in ice.
+    /// The layers of light that the film keeps, if it keeps any.
+    pub light_layers: Option<LightLayerNames>,
+    /// Which of them is that of glints.
+    pub glint_layer: Option<usize>,
+    /// The colours of each slot of the lights after any length in ice.
     pub colours: Vec<IceColour>,
     /// The same after lengths in ice of several strata; empty where there are none.
     pub strata_colours: Vec<StrataColour>,
+    /// How light is looked for; `None` where it is only met.
+    pub search: Option<LightSearch>,
     /// Size and sampling of the picture.
     pub film: crate::description::FilmDescription,
     /// Digest of all content that decides the pixels but the seed and the samples.
@@ -103,25 +113,59 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
+        let slots = slots_of(&description.lights, description.camera.backdrop);
+        let light_layers = light_layers(description, &slots)?;
+        let is_glints = |name: &String| name == GLINTS;
+        let glint_layer =
+            light_layers.as_ref().and_then(|layers| layers.names().iter().position(is_glints));
         stage(BuildStage::Surfaces);
-        let surfaces = surfaces_of(description).with_level(level);
+        let objects = surfaces_of(description).with_level(level);
+        let bounds = objects.bounds();
+        let lit = LitSurfaces::new(shapes_of(description), &description.lights);
         let mut report = BuildReport::default();
-        let (grid, digest) = build_grid(description, &surfaces, level, &mut report, stage)?;
+        let (grid, surfaces, digest) =
+            build_grid(description, (objects, &lit, level), &mut report, stage)?;
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
-        let environment = Environment::new(&description.lights, description.camera.backdrop);
-        let grade = grade(description, &environment);
+        let bounds = bounds.union(&grid.bounds());
+        let lights = Lights::new(&description.lights, &lit, description.camera.backdrop, &bounds);
+        let grade = grade(description, lights.slots());
+        let world = World {
+            grid,
+            surfaces,
+            albedos: description.objects.iter().map(|object| object.albedo).collect(),
+            emitters: lit.emitters,
+            eta: description.ice.eta(),
+        };
+        let film = &description.film;
+        let mut camera = Camera::new(&description.camera, film);
+        if description.camera.projection.finds_focus() {
+            camera = camera.focused_on_surface(&world, level);
+        }
+        let sought = match description.light_finding {
+            LightFinding::Exact => None,
+            LightFinding::Sampled => Some(Sought::NotSkies),
+            LightFinding::AllSampled => Some(Sought::All),
+        };
+        let search = sought.map(|sought| {
+            stage(BuildStage::Light);
+            let size = [film.width, film.height];
+            LightSearch::new(&lights, world.eta, sought).calibrated(
+                (&world, &camera),
+                size,
+                film.seed,
+                level,
+            )
+        });
         Ok(Self {
             hash: hash_scene(description, &digest),
-            world: World {
-                grid,
-                surfaces,
-                albedos: description.objects.iter().map(|object| object.albedo).collect(),
-                eta: description.ice.eta(),
-            },
-            camera: Camera::new(&description.camera, &description.film),
-            environment,
+            world,
+            camera,
+            lights,
+            search,
+            light_layers,
+            glint_layer,
             colours: grade.colours(),
             strata_colours: grade.strata_colours(&description.strata.loads),
             grade,
@@ -129,18 +173,56 @@ impl Scene {
             report,
         })
     }
+
+    /// Whether a ray of the camera may start in ice, as far as boxes tell.
+    pub(crate) fn may_start_in_ice(&self) -> bool {
+        let (starts, grains) = (self.camera.starts(), self.world.grid.bounds());
+        self.world.grid.grains() > 0
+            && starts.min.cmple(grains.max).all()
+            && starts.max.cmpge(grains.min).all()
+    }
 }
 
 /// What turns lengths in ice into colours in this scene.
-fn grade(description: &SceneDescription, environment: &Environment) -> Grade {
+fn grade(description: &SceneDescription, slots: &[LightSlot]) -> Grade {
     let ice = &description.ice;
     Grade {
         primaries: description.film.primaries,
-        lights: environment.spectra().to_vec(),
+        lights: slots.iter().map(|slot| slot.spectrum).collect(),
         absorption: ice.absorption,
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
+        exposure_stops: description.film.exposure_stops,
     }
+}
+
+/// The layers of light that the film of a scene keeps: where there are several groups of lights, or where
+/// the scene asks for them.
+///
+/// # Errors
+/// Names that a film cannot have, or too many.
+pub(crate) fn light_layers(
+    description: &SceneDescription,
+    slots: &[LightSlot],
+) -> Result<Option<LightLayerNames>, FilmError> {
+    let mut names: Vec<String> = Vec::new();
+    let mut layer_of_slot = Vec::new();
+    for slot in slots {
+        let known = names.iter().position(|name| *name == slot.group);
+        layer_of_slot.push(known.unwrap_or(names.len()) as u32);
+        if known.is_none() {
+            names.push(slot.group.clone());
+        }
+    }
+    let searched = description.light_finding != LightFinding::Exact;
+    if searched && !description.film.keep_ice_paths {
+        names.push(GLINTS.to_owned());
+    }
+    let lit = names.iter().filter(|name| *name != BACKDROP_GROUP).count();
+    if lit < 2 && !description.film.keep_light_groups {
+        return Ok(None);
+    }
+    LightLayerNames::new(names, layer_of_slot).map(Some)
 }
 
 /// Lets all snow of a scene fall and gives its grains (for `snowgrain deposit`).
@@ -171,11 +253,16 @@ pub fn deposit_at(
     Ok((field, report.snowfalls))
 }
 
-/// The surfaces of a scene's objects, in their order. Objects with the same mesh share it.
+/// The surfaces of a scene's objects, in their order, without lamps. Objects with the same mesh share it.
 #[must_use]
 pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
+    Surfaces::new(&shapes_of(description))
+}
+
+/// The shapes of a scene's objects, in their order.
+fn shapes_of(description: &SceneDescription) -> Vec<(SurfaceShape, DAffine3)> {
     let pot = LazyCell::new(|| Arc::new(teapot(TEAPOT_DIVISIONS)));
-    let shapes: Vec<_> = description
+    description
         .objects
         .iter()
         .map(|object| {
@@ -188,43 +275,56 @@ pub fn surfaces_of(description: &SceneDescription) -> Surfaces {
             };
             (shape, object.transform)
         })
-        .collect();
-    Surfaces::new(&shapes)
+        .collect()
 }
 
-/// One lattice alone needs no memory; everything else is packed grain by grain.
+/// One lattice alone needs no memory; everything else is packed grain by grain. Gives the surfaces that
+/// light meets, too.
 fn build_grid(
     description: &SceneDescription,
-    surfaces: &Surfaces,
-    level: SimdLevel,
+    (objects, lit, level): (Surfaces, &LitSurfaces, SimdLevel),
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainGrid, GrainDigest), RenderError> {
+) -> Result<(GrainGrid, Surfaces, GrainDigest), RenderError> {
+    let has_lamps = lit.shapes.len() > description.objects.len();
     if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
         && description.strata.loads.is_empty()
     {
-        let quantisation = quantisation_of(description, surfaces);
-        if let Some(lattice) = implicit_lattice(settings, quantisation, surfaces)? {
+        let quantisation = quantisation_of(description, &objects);
+        let with_lamps = has_lamps.then(|| Surfaces::new(&lit.shapes).with_level(level));
+        let surfaces = with_lamps.as_ref().unwrap_or(&objects);
+        let searched = description.light_finding != LightFinding::Exact;
+        let lattice = implicit_lattice(settings, quantisation, surfaces, searched)?;
+        if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);
             report.snowfalls.push(None);
-            return Ok(lattice);
+            return Ok((grid, with_lamps.unwrap_or(objects), digest));
         }
     }
     let mut known = KnownGrains::new(description.strata.clone());
-    let field = fall(description, (surfaces, level), &mut known, report, stage)?;
+    let field = fall(description, (&objects, level), &mut known, report, stage)?;
     stage(BuildStage::Packing);
+    // Snow falls through lamps.
+    let surfaces = if has_lamps {
+        drop(objects);
+        Surfaces::new(&lit.shapes).with_level(level)
+    } else {
+        objects
+    };
     let quantisation = field.quantisation;
     let packing = description.packing.unwrap_or_default();
-    let grid = field.pack_in_strata(surfaces, packing, &known.of_field(&field))?;
+    let grid = field.pack_in_strata(&surfaces, packing, &known.of_field(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
-    Ok((grid, digest))
+    Ok((grid, surfaces, digest))
 }
 
-/// The lattice without memory, where it is whole and has such a form, and no surface crosses it.
+/// The lattice without memory, where it is whole and has such a form, and no surface crosses it; as
+/// light that is `searched` for needs it.
 fn implicit_lattice(
     settings: &LatticeSettings,
     quantisation: Quantisation,
     surfaces: &Surfaces,
+    searched: bool,
 ) -> Result<Option<(GrainGrid, GrainDigest)>, RenderError> {
     let cell = LatticeCell::new(settings, &quantisation)
         .map_err(|source| RenderError::Snow { index: 0, source })?;
@@ -237,7 +337,8 @@ fn implicit_lattice(
     if !whole {
         return Ok(None);
     }
-    let grid = GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3]);
+    let build = if searched { GrainGrid::lattice_in_cells } else { GrainGrid::lattice };
+    let grid = build(quantisation, &packed, cell.counts, [0; 3], [false; 3]);
     let Some(grid) =
         grid.ok().filter(|grid| surfaces.is_empty() || !surfaces.may_cross(&grid.bounds()))
     else {

@@ -2,7 +2,8 @@
 
 use crate::Strata;
 use crate::description::{
-    IceDescription, LightDescription, ObjectShape, Packing, Sampler, SceneDescription,
+    Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
+    Projection, Sampler, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -77,19 +78,15 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     for vector in [scene.camera.from, scene.camera.at, scene.camera.up] {
         hash.doubles(&vector.to_array());
     }
-    hash.doubles(&[scene.camera.vertical_fov_degrees]);
+    hash_projection(&mut hash, &scene.camera.projection);
     hash.floats(&scene.camera.backdrop);
     hash.tag("ice");
     hash_ice(&mut hash, &scene.ice);
-    for light in &scene.lights {
-        let (tag, radiance) = match light {
-            LightDescription::Sky { radiance, .. } => ("sky", radiance),
-            LightDescription::Uniform { radiance, .. } => ("uniform", radiance),
-        };
-        hash.tag(tag);
-        hash.floats(radiance);
-        hash.tag(light.spectrum().name());
-        hash.words(&[u32::from(light.visible_to_camera())]);
+    scene.lights.iter().for_each(|light| hash_light(&mut hash, light));
+    match scene.light_finding {
+        LightFinding::Exact => {}
+        LightFinding::Sampled => hash.tag("sampled"),
+        LightFinding::AllSampled => hash.tag("all sampled"),
     }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();
@@ -110,6 +107,75 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.tag("grains");
     hash.0.update(&grains.0);
     *hash.0.finalize().as_bytes()
+}
+
+fn hash_projection(hash: &mut Hash, projection: &Projection) {
+    match projection {
+        Projection::Perspective { vertical_fov_degrees, lens } => {
+            hash.doubles(&[*vertical_fov_degrees]);
+            if let Some(lens) = lens {
+                hash.tag("lens");
+                hash.doubles(&[lens.diameter, lens.blade_rotation_degrees]);
+                match lens.focus {
+                    Focus::Distance(distance) => hash.doubles(&[distance]),
+                    Focus::Surface => hash.tag("surface"),
+                }
+                hash.words(&[lens.blades]);
+            }
+        }
+        Projection::Orthographic { height } => {
+            hash.tag("orthographic");
+            hash.doubles(&[*height]);
+        }
+    }
+}
+
+fn hash_light(hash: &mut Hash, light: &LightDescription) {
+    hash.tag(match light.kind {
+        LightKind::Sky => "sky",
+        LightKind::Uniform => "uniform",
+        LightKind::Overcast => "overcast",
+        LightKind::ClearSky { .. } => "clear-sky",
+        LightKind::Sun { .. } => "sun",
+        LightKind::Environment { .. } => "environment",
+        LightKind::Sphere { .. } => "sphere-light",
+        LightKind::Quad { .. } => "quad-light",
+        LightKind::Object { .. } => "object-light",
+        LightKind::Point { .. } => "point-light",
+        LightKind::Spot { .. } => "spot-light",
+    });
+    match &light.kind {
+        LightKind::Sky | LightKind::Uniform | LightKind::Overcast => {}
+        LightKind::ClearSky { sun } => hash.doubles(&sun.to_array()),
+        LightKind::Sun { direction, diameter_degrees } => {
+            hash.doubles(&direction.to_array());
+            hash.doubles(&[*diameter_degrees]);
+        }
+        LightKind::Environment { map, rotation_degrees } => {
+            hash.words(&[map.width() as u32, map.height() as u32]);
+            map.pixels().iter().for_each(|pixel| hash.floats(pixel));
+            hash.doubles(&[*rotation_degrees]);
+        }
+        LightKind::Sphere { center, radius } => {
+            hash.doubles(&center.to_array());
+            hash.doubles(&[*radius]);
+        }
+        LightKind::Quad { corner, edges: [u, v] } => {
+            [corner, u, v].iter().for_each(|vector| hash.doubles(&vector.to_array()));
+        }
+        LightKind::Object { object } => hash.words(&[*object as u32]),
+        LightKind::Point { position } => hash.doubles(&position.to_array()),
+        LightKind::Spot { position, direction, inner_degrees, outer_degrees } => {
+            [position, direction].iter().for_each(|vector| hash.doubles(&vector.to_array()));
+            hash.doubles(&[*inner_degrees, *outer_degrees]);
+        }
+    }
+    hash.floats(&light.strength);
+    hash.tag(&light.spectrum.name());
+    hash.words(&[u32::from(light.visible_to_camera)]);
+    if light.group != light.kind.default_group() {
+        hash.tag(&light.group);
+    }
 }
 
 fn hash_ice(hash: &mut Hash, ice: &IceDescription) {

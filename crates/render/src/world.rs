@@ -1,5 +1,6 @@
 //! What light can meet.
 
+use crate::light::Emitter;
 use snowgrain_accel::{GrainGrid, Surfaces};
 
 /// Grains, surfaces and their materials: everything between the camera and the lights.
@@ -7,10 +8,12 @@ use snowgrain_accel::{GrainGrid, Surfaces};
 pub struct World {
     /// All grains, packed for light.
     pub grid: GrainGrid,
-    /// All solid objects.
+    /// All solid objects, and lamps after them.
     pub surfaces: Surfaces,
     /// Diffuse albedo of each object, linear RGB.
     pub albedos: Vec<[f32; 3]>,
+    /// Of each object whether it shines; empty where none does.
+    pub emitters: Vec<Option<Emitter>>,
     /// Index of refraction of the grains relative to air, >= 1.
     pub eta: f64,
 }

@@ -13,7 +13,8 @@ use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use snowgrain_render::measure::{Incidence, SlabSettings, measure_slab};
 
@@ -45,19 +46,19 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
             from: middle + DVec3::new(0.0, 0.3, 0.1),
             at: middle,
             up: DVec3::Y,
-            vertical_fov_degrees: 2.0,
+            projection: Projection::pinhole(2.0),
             backdrop: [0.0; 3],
         },
         ice: IceDescription { absorption: Absorption::default(), ..IceDescription::clear(1.31) },
-        lights: vec![LightDescription::Sky {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
+        lights: vec![LightDescription {
             visible_to_camera: false,
+            ..LightDescription::new(LightKind::Sky, [1.0; 3])
         }],
         objects: objects.into_iter().collect(),
         snow: vec![SnowDescription::Lattice(settings)],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }
@@ -77,10 +78,10 @@ fn load(kind: ImpurityKind, load: Load) -> Impurity {
 fn a_film_that_is_graded_anew_is_a_fresh_render() {
     let mut description = layer([60, 30, 60], Some(RED), 12);
     description.film.keep_ice_paths = true;
-    description.lights.push(LightDescription::Uniform {
-        radiance: [0.3, 0.2, 0.1],
+    description.lights.push(LightDescription {
         spectrum: Illuminant::A,
         visible_to_camera: false,
+        ..LightDescription::new(LightKind::Uniform, [0.3, 0.2, 0.1])
     });
     let spp = samples(64, 512);
     let film = rendered(&description, spp);
@@ -133,7 +134,7 @@ fn ice_cannot_be_changed_in_a_film_that_keeps_no_ice_paths_but_primaries_can() {
     let picture = Picture::graded(&film, &aces).unwrap();
     assert!(picture.layer(Layer::VarianceR).is_none());
     assert_eq!(picture.primaries, Primaries::AcesCg);
-    assert_eq!(spectral_layers(&film, &clear, &[550.0]), Err(FilmError::NoIcePaths));
+    assert_eq!(spectral_layers(&film, &clear, None, &[550.0]), Err(FilmError::NoIcePaths));
 }
 
 /// A spectral layer is the picture that ice of that wavelength's absorption gives.
@@ -144,7 +145,7 @@ fn spectral_layers_are_pictures_of_single_wavelengths() {
     let spp = samples(64, 512);
     let film = rendered(&description, spp);
     let wavelengths = [400.0, 550.0, 700.0];
-    let layers = spectral_layers(&film, &film.grade, &wavelengths).unwrap();
+    let layers = spectral_layers(&film, &film.grade, None, &wavelengths).unwrap();
     for (layer, wavelength) in layers.iter().zip(wavelengths) {
         let mut single = description.clone();
         single.ice.absorption = Absorption::Grey(IceAbsorption::default().per_metre(wavelength));
@@ -169,7 +170,7 @@ fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
     });
     description.camera.from = DVec3::new(0.0, 0.06, 0.06);
     description.camera.at = DVec3::Y * 0.01;
-    description.camera.vertical_fov_degrees = 20.0;
+    description.camera.projection = Projection::pinhole(20.0);
     let fall = |grains, mean, seed| {
         SnowDescription::Deposit(DepositSettings {
             amount: Amount::Grains(grains),

@@ -5,12 +5,11 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_film::{Layer, Picture, PixelRect};
 use snowgrain_grains::{LatticeKind, LatticeSettings};
 use snowgrain_math::{Aabb, DVec3};
-use snowgrain_optics::Illuminant;
 use snowgrain_render::Strata;
 use snowgrain_render::camera::Camera;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    SceneDescription, SnowDescription,
+    LightFinding, LightKind, Projection, SceneDescription, SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, measure_body};
 use snowgrain_render::{RenderControl, RenderSettings, Rendered, Scene, render};
@@ -28,15 +27,11 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
             from: center + direction.normalize() * (distance * f64::from(side)),
             at: center,
             up: DVec3::Y,
-            vertical_fov_degrees: 40.0,
+            projection: Projection::pinhole(40.0),
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(crate::ETA),
-        lights: vec![LightDescription::Sky {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
-            visible_to_camera: true,
-        }],
+        lights: vec![LightDescription::new(LightKind::Sky, [1.0; 3])],
         objects: Vec::new(),
         snow: vec![SnowDescription::Lattice(LatticeSettings {
             kind: LatticeKind::Sc,
@@ -47,6 +42,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
         })],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }
@@ -64,7 +60,9 @@ pub(crate) fn picture(scene: &Scene, samples: Range<u64>, crop: PixelRect) -> Re
 
 /// The pixels whose four corner rays all meet the box.
 fn pixels_on(hull: &Aabb, camera: &Camera, pixels: u32) -> Vec<(u32, u32)> {
-    let meets = |x: u32, y: u32| hull.intersect(&camera.ray(f64::from(x), f64::from(y))).is_some();
+    let meets = |x: u32, y: u32| {
+        hull.intersect(&camera.ray(f64::from(x), f64::from(y), [0.5; 2])).is_some()
+    };
     (0..pixels)
         .flat_map(|y| (0..pixels).map(move |x| (x, y)))
         .filter(|&(x, y)| meets(x, y) && meets(x + 1, y) && meets(x, y + 1) && meets(x + 1, y + 1))

@@ -8,12 +8,13 @@ use snowgrain_geometry::Quantisation;
 use snowgrain_grains::measures::{Slab, mean_surface_height, union_solid_fraction};
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, Radii, Snowfall};
 use snowgrain_math::{DAffine3, DVec3};
-use snowgrain_optics::{Absorption, Illuminant};
+use snowgrain_optics::Absorption;
 use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
 use snowgrain_tests::{
@@ -22,7 +23,7 @@ use snowgrain_tests::{
 
 const R: f64 = 0.5e-3;
 
-fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettings {
+pub(crate) fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettings {
     DepositSettings {
         amount: Amount::Grains(grains),
         radii: Radii { mean: R, variation: 0.0 },
@@ -59,7 +60,7 @@ fn deep_piles_fill_as_much_as_independent_programs_found() {
 }
 
 /// A pile of the paper's rule on a floor with a box in it, seen from above at a slant.
-fn pile(
+pub(crate) fn pile(
     grains: u64,
     width: f64,
     albedo: [f32; 3],
@@ -77,7 +78,7 @@ fn pile(
             from: DVec3::new(0.2, 1.5, 1.6) * width,
             at: DVec3::new(0.0, 0.2, 0.0) * width,
             up: DVec3::Y,
-            vertical_fov_degrees: 28.0,
+            projection: Projection::pinhole(28.0),
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(1.32),
@@ -93,6 +94,7 @@ fn pile(
         ))],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }
@@ -101,11 +103,7 @@ fn pile(
 /// box notwithstanding.
 #[test]
 fn a_deep_deposit_in_a_furnace_is_exactly_one_everywhere() {
-    let light = LightDescription::Uniform {
-        radiance: [1.0; 3],
-        spectrum: Illuminant::D65,
-        visible_to_camera: true,
-    };
+    let light = LightDescription::new(LightKind::Uniform, [1.0; 3]);
     let grains = samples(200_000, 1_000_000);
     let description = pile(grains, 0.1, [1.0; 3], vec![light]);
     let scene = Scene::build(&description, &mut |_| ()).unwrap();
@@ -174,11 +172,7 @@ fn a_pile_with_overlaps_shows_its_void_and_traps_nothing() {
 /// kernels and in the oracle.
 #[test]
 fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
-    let light = LightDescription::Sky {
-        radiance: [1.0; 3],
-        spectrum: Illuminant::D65,
-        visible_to_camera: true,
-    };
+    let light = LightDescription::new(LightKind::Sky, [1.0; 3]);
     let mut description = pile(20_000, 0.03, [0.8, 0.4, 0.1], vec![light]);
     description.ice.absorption = Absorption::Grey(3.0);
     let scene = Scene::build(&description, &mut |_| ()).unwrap();
@@ -206,13 +200,7 @@ fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
     let sky = |direction: DVec3| if direction.y > 0.0 { DVec3::ONE } else { DVec3::ZERO };
     let exact = OraclePicture {
         oracle: &tracer,
-        camera: PinholeCamera::new(
-            camera.from,
-            camera.at,
-            camera.up,
-            camera.vertical_fov_degrees.to_radians(),
-            [48, 32],
-        ),
+        camera: PinholeCamera::new(camera.from, camera.at, camera.up, 28f64.to_radians(), [48, 32]),
         width: 48,
         seed: description.film.seed,
         absorption: 3.0,

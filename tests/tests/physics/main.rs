@@ -10,6 +10,7 @@ mod colours;
 mod cubes;
 mod deposits;
 mod grain;
+mod lights;
 mod pictures;
 mod slabs;
 
@@ -48,7 +49,13 @@ fn assert_agrees(what: &str, estimate: Estimate, expected: f64, tolerance: f64) 
 
 /// Grains alone, without surfaces.
 fn world(grid: GrainGrid) -> World {
-    World { grid, surfaces: Surfaces::default(), albedos: Vec::new(), eta: ETA }
+    World {
+        grid,
+        surfaces: Surfaces::default(),
+        albedos: Vec::new(),
+        emitters: Vec::new(),
+        eta: ETA,
+    }
 }
 
 /// A lattice of touching grains of radius 1/2 that needs no memory.

@@ -34,6 +34,8 @@ fn description(name: &str) -> SceneDescription {
     let loader = Loader {
         mesh: &mut |_| Err("these scenes refer to no mesh".into()),
         grains: &mut |_| Err("nor to grains".into()),
+        import: &mut |_| Err("nor to shots".into()),
+        environment: &mut |_| Err("nor to a map".into()),
     };
     resolve(&file, loader).unwrap()
 }

@@ -1,26 +1,31 @@
 //! `snowgrain develop` as typed.
 
-use super::{DenoiseArguments, PictureFile, Series, laboratory_values, values};
+use super::{
+    DenoiseArguments, DisplayArguments, GroupFactor, PictureFile, Series, laboratory_values,
+};
 use clap::Args;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::path::PathBuf;
 
-/// Makes pictures of a film, with other ice, impurities or primaries if wanted; nothing is traced.
+/// Makes pictures of a film, with other lights, ice, impurities or display if wanted; nothing is traced.
 ///
-/// Ice and impurities can be changed where the film keeps ice paths (render --keep ice-paths). What is
-/// not named stays as the film was rendered.
+/// Ice and impurities can be changed where the film keeps ice paths (render --keep ice-paths), lights mixed where
+/// it keeps groups (several in the scene, or render --keep light-groups). What is not named stays as the film was
+/// rendered.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     snowgrain render snowy-teapot --keep ice-paths -o teapot.film\n  \
     snowgrain develop teapot.film --impurity soot=200ppb -o sooty.png\n  \
     snowgrain develop teapot.film --impurity dust-sahara=100ppm --ice-k warren-brandt-2008 -o dusty.png\n  \
     snowgrain develop teapot.film --denoise -o smooth.png\n  \
+    snowgrain develop winter.film --group sun=0.5 --group sky=2,#ffd0a0 -o dusk.png -o dusk.exr\n  \
+    snowgrain develop winter.film --exposure auto --curve agx --glare eye --gamut compress -o shown.png\n  \
     snowgrain develop teapot.film --wavelengths 400:700:20 -o teapot.exr")]
 pub(crate) struct DevelopArguments {
     /// Film (.film)
     pub(crate) film: PathBuf,
 
-    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit) or .exr (scene-linear, all
+    /// Where the picture goes, several times if wanted: .png (sRGB) or .exr (scene-linear, all
     /// layers)
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(crate) output: Vec<PictureFile>,
@@ -50,10 +55,14 @@ pub(crate) struct DevelopArguments {
           value_parser = laboratory_values::visible_wavelengths)]
     pub(crate) wavelengths: Option<Series>,
 
-    /// Brightness of PNG files in stops: +1 doubles it
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
-          value_parser = values::finite)]
-    pub(crate) exposure: f64,
+    /// Mixes the light of a group of lights (or of glints) anew: a strength, and if wanted a colour as r,g,b
+    /// (linear), #rrggbb or a temperature, as sun=0.5 or sky=2,#ffd0a0 or lamp=1,3200K; groups that are not
+    /// named stay; repeatable
+    #[arg(long, value_name = "NAME=STRENGTH[,COLOUR]")]
+    pub(crate) group: Vec<GroupFactor>,
+
+    #[command(flatten)]
+    pub(crate) display: DisplayArguments,
 
     #[command(flatten)]
     pub(crate) denoise: DenoiseArguments,

@@ -200,9 +200,12 @@ pub(super) fn ice_absorption(name: &str) -> Result<IceAbsorption, String> {
     named(&IceAbsorption::ALL, IceAbsorption::name, name)
 }
 
-/// A standard light.
+/// The spectrum of a light.
 pub(super) fn illuminant(name: &str) -> Result<Illuminant, String> {
-    named(&Illuminant::ALL, Illuminant::name, name)
+    Illuminant::from_name(name).ok_or_else(|| {
+        let names = Illuminant::STANDARD.map(Illuminant::name).join(", ");
+        format!("write {names}, sun-48.2 or clear-sky-48.2 (zenith angle of the sun, 0 to 75)")
+    })
 }
 
 /// A set of primaries.

@@ -115,7 +115,7 @@ pub(crate) struct ColourArguments {
     #[command(flatten)]
     pub(crate) snow: SnowArguments,
 
-    /// Light: d65, d55, a or equal-energy
+    /// Light: d65, d55, a, equal-energy, or sun-ZENITH or clear-sky-ZENITH (degrees, 0 to 75)
     #[arg(long, value_name = "NAME", default_value = "d65",
           value_parser = laboratory_values::illuminant)]
     pub(crate) illuminant: Illuminant,

@@ -1,23 +1,27 @@
 //! `snowgrain render` as typed.
 
 use super::{
-    DenoiseArguments, MachineArguments, PictureFile, ReportArguments, SceneArguments, Size,
+    DenoiseArguments, DisplayArguments, MachineArguments, PictureFile, ReportArguments,
+    SceneArguments, Size,
 };
 use super::{Series, laboratory_values, values};
 use clap::Args;
 use snowgrain_film::PixelRect;
+use snowgrain_render::View;
 use std::time::Duration;
 
 /// Renders a scene.
 ///
 /// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
-/// mesh (.obj, .ply), for which camera, light, ground and snow are chosen.
+/// mesh (.obj, .ply) or model (.gltf, .glb), for which camera, light, ground and snow are chosen; a shot
+/// (.gltf, .glb with a camera) keeps its camera and objects, and snow falls on them.
 #[derive(Debug, Args)]
 #[command(args_override_self = true)]
 #[command(after_help = "Examples:\n  \
     snowgrain render snowy-teapot -o teapot.png\n  \
     snowgrain render snow-cube --spp 100 --size 1024x1024 -o cube.png -o cube.exr\n  \
     snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
+    snowgrain render snowy-teapot --view close -o close.png\n  \
     snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
     snowgrain render scene.toml --spp 100000 --time-limit 10m --display-server localhost:14158 -o out.exr\n  \
     snowgrain render scene.toml --dry-run\n\n\
@@ -26,7 +30,7 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
 
-    /// Where the picture goes, several times if wanted: .png (sRGB, 8 bit; refreshed while it
+    /// Where the picture goes, several times if wanted: .png (sRGB; refreshed while it
     /// renders), .exr (scene-linear, all layers) or .film (the exact sums)
     #[arg(short, long, value_name = "FILE", required_unless_present = "dry_run")]
     pub(crate) output: Vec<PictureFile>,
@@ -47,10 +51,10 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop)]
     pub(crate) crop: Option<PixelRect>,
 
-    /// Brightness of PNG files in stops: +1 doubles it
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true,
-          value_parser = values::finite)]
-    pub(crate) exposure: f64,
+    /// Looks from another side than the scene's camera: front, three-quarter, top, or close (a macro view
+    /// of the snow, shallow in focus)
+    #[arg(long, value_name = "VIEW", value_parser = values::view)]
+    pub(crate) view: Option<View>,
 
     /// Ends with fewer samples after the pass over the picture that exceeds this time (90s, 10m, 1.5h),
     /// counted from the start of the program; what every pixel has is the picture
@@ -74,8 +78,9 @@ pub(crate) struct RenderArguments {
     pub(crate) furnace: bool,
 
     /// What .film files keep beside the picture: ice-paths (each pixel's light by length in ice, with
-    /// which develop can change ice and impurities; 768 bytes a pixel)
-    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths"])]
+    /// which develop can change ice and impurities; 768 bytes a pixel) or light-groups (the light of each
+    /// group of lights, which develop can mix; 48 bytes a pixel for each); repeatable
+    #[arg(long, value_name = "WHAT", value_parser = ["ice-paths", "light-groups"])]
     pub(crate) keep: Vec<String>,
 
     /// Adds spectral layers to .exr files, in the layout of Fichet et al. 2021: radiance at
@@ -92,6 +97,9 @@ pub(crate) struct RenderArguments {
     /// Estimates grains, memory and time; nothing is made or traced
     #[arg(long, conflicts_with = "json_stats")]
     pub(crate) dry_run: bool,
+
+    #[command(flatten)]
+    pub(crate) display: DisplayArguments,
 
     #[command(flatten)]
     pub(crate) denoise: DenoiseArguments,

@@ -3,6 +3,7 @@
 use snowgrain_film::PixelRect;
 use snowgrain_formats::scene::{Length, MeshUnits, UpAxis};
 use snowgrain_grains::{DepositRule, LatticeKind};
+use snowgrain_render::View;
 use snowgrain_render::measure::Incidence;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -169,6 +170,14 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
 /// A unit of length of mesh files.
 pub(super) fn units(name: &str) -> Result<MeshUnits, String> {
     MeshUnits::from_name(name).ok_or_else(|| "write mm, cm, m or in".into())
+}
+
+/// A quick look.
+pub(super) fn view(name: &str) -> Result<View, String> {
+    View::ALL
+        .into_iter()
+        .find(|view| view.name() == name)
+        .ok_or_else(|| format!("write {}", View::ALL.map(View::name).join(", ")))
 }
 
 /// An up axis of mesh files.

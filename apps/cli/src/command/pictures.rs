@@ -1,11 +1,12 @@
 //! The files that a picture goes to, and the viewer that is shown it.
 
-use crate::arguments::{PictureFile, PictureFormat};
+use crate::arguments::{Bits, DisplayArguments, PictureFile, PictureFormat};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::viewer::Viewer;
-use snowgrain_film::{Film, Picture, develop};
+use snowgrain_film::develop::{self, Development, Exposure};
+use snowgrain_film::{Film, Picture};
 use snowgrain_formats::{atomic, image, write_film};
 use snowgrain_render::Rendering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -24,18 +25,22 @@ const LOOK: Duration = Duration::from_millis(20);
 pub(super) struct Pictures<'a> {
     files: &'a [PictureFile],
     viewer: Option<Viewer>,
-    /// Stops.
-    exposure: f64,
+    development: Development,
+    bits: Bits,
 }
 
 impl<'a> Pictures<'a> {
     /// # Errors
-    /// A file that cannot be created.
-    pub(super) fn new(files: &'a [PictureFile], exposure: f64) -> Result<Self, Failure> {
+    /// A file that cannot be created, or options of the display that do not go together.
+    pub(super) fn new(
+        files: &'a [PictureFile],
+        display: &DisplayArguments,
+    ) -> Result<Self, Failure> {
+        let development = display.development()?;
         for file in files {
             atomic::check_writable_target(&file.path)?;
         }
-        Ok(Self { files, viewer: None, exposure })
+        Ok(Self { files, viewer: None, development, bits: display.bits })
     }
 
     /// From now on previews go to this viewer, too.
@@ -56,6 +61,16 @@ impl<'a> Pictures<'a> {
     fn tell_of_loss(&self, progress: &Progress) {
         if let Some(fault) = self.viewer.as_ref().and_then(Viewer::fault) {
             progress.note(&fault);
+        }
+    }
+
+    /// The exposure that is found for a picture, stops, where it is automatic and shows.
+    pub(super) fn automatic_stops(&self, picture: &Picture) -> Result<Option<f64>, Failure> {
+        match self.development.exposure {
+            Exposure::Auto if self.shown().next().is_some() => {
+                Ok(Some(self.development.stops(picture)?))
+            }
+            Exposure::Auto | Exposure::Stops(_) => Ok(None),
         }
     }
 
@@ -86,7 +101,11 @@ impl<'a> Pictures<'a> {
     }
 
     fn write_png(&self, file: &PictureFile, picture: &Picture) -> Result<(), Failure> {
-        image::write_png_8(&file.path, &develop::to_8_bit(picture, self.exposure)?)?;
+        let how = &self.development;
+        match self.bits {
+            Bits::Eight => image::write_png_8(&file.path, &develop::to_8_bit(picture, how)?)?,
+            Bits::Sixteen => image::write_png_16(&file.path, &develop::to_16_bit(picture, how)?)?,
+        }
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 mod noise;
 
-use super::denoise::denoiser;
+use super::denoise::{denoised, denoiser};
 use super::pictures::Pictures;
 use crate::arguments::{PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
@@ -31,7 +31,7 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
     refuse_options_without_file(arguments)?;
-    let mut pictures = Pictures::new(&arguments.output, arguments.exposure)?;
+    let mut pictures = Pictures::new(&arguments.output, &arguments.display)?;
     if let Some(path) = &arguments.report.json_stats {
         if arguments.output.iter().any(|picture| picture.path == *path) {
             return Err(Failure::usage("--json-stats and --output name the same file; name two"));
@@ -95,8 +95,14 @@ fn refuse_options_without_file(arguments: &RenderArguments) -> Result<(), Failur
     if arguments.wavelengths.is_some() && !writes(PictureFormat::Exr) {
         return Err(Failure::usage("--wavelengths are layers of .exr files; name one by -o"));
     }
-    if !arguments.keep.is_empty() && !writes(PictureFormat::Film) {
-        return Err(Failure::usage("--keep is for .film files; name one by -o"));
+    let kept = |what: &str| arguments.keep.iter().any(|keep| keep == what);
+    if kept("ice-paths") && !writes(PictureFormat::Film) {
+        return Err(Failure::usage("--keep ice-paths is for .film files; name one by -o"));
+    }
+    if kept("light-groups") && !writes(PictureFormat::Film) && !writes(PictureFormat::Exr) {
+        return Err(Failure::usage(
+            "--keep light-groups is for .film and .exr files; name one by -o",
+        ));
     }
     Ok(())
 }
@@ -132,12 +138,22 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     if let Some(packing) = &arguments.packing {
         changes.push(format!("integrator.packing={packing}"));
     }
-    if !arguments.keep.is_empty() || arguments.wavelengths.is_some() {
-        changes.push("film.keep=[\"ice-paths\"]".into());
+    let mut keep: Vec<&str> = arguments.keep.iter().map(String::as_str).collect();
+    if arguments.wavelengths.is_some() {
+        keep.push("ice-paths");
+    }
+    if !keep.is_empty() {
+        changes.push(format!("film.keep={keep:?}"));
     }
     let mut loaded = load::load(&arguments.scene, changes)?;
     for line in &loaded.assumptions {
         progress.note(line);
+    }
+    if let Some(view) = arguments.view {
+        let nothing = "--view finds nothing finite to look at, or no snow to look at closely";
+        let camera = view.camera(&loaded.description);
+        loaded.description.camera =
+            camera.ok_or_else(|| Failure::bad_input(nothing).of(&loaded.name))?;
     }
     if arguments.furnace {
         loaded.description = scene::furnace(loaded.description);
@@ -307,11 +323,11 @@ impl Task<'_> {
             let film = &rendered.film;
             let mut picture = Picture::from_film(film)?;
             if let Some(wavelengths) = &self.arguments.wavelengths {
-                picture.spectrum = spectral_layers(film, &film.grade, &wavelengths.0)?;
+                picture.spectrum = spectral_layers(film, &film.grade, None, &wavelengths.0)?;
             }
             mean_radiance = Some(picture.mean_radiance()?);
             if let Some(denoiser) = &self.denoiser {
-                picture = denoiser.denoise_picture(&picture, None)?;
+                picture = denoised(denoiser, &picture)?;
             }
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
             pictures.show_last(&picture, progress);

@@ -50,6 +50,20 @@ fn one_film_becomes_clean_sooty_and_spectral_pictures() {
 }
 
 #[test]
+fn light_is_kept_by_group() {
+    let place = Workplace::new();
+    let kept = ["--keep", "light-groups", "-o", "a.film", "-o", "a.exr"];
+    assert_eq!(place.run(&[&RENDER[..], &kept].concat()).code, Some(0));
+    for name in ["a.exr", "a.film"] {
+        let picture = read_picture(&place.path(name)).unwrap();
+        let [main] = picture.light_layers.as_slice() else { panic!("{name}") };
+        assert_eq!(main.name, "main");
+        assert_eq!(main.values.each_ref().map(Vec::as_slice), picture.colour().unwrap());
+        assert_eq!(picture.vertical_fov_degrees.map(f64::round), Some(28.0));
+    }
+}
+
+#[test]
 fn a_film_that_cannot_be_changed_says_how_to_make_one_that_can() {
     let place = Workplace::new();
     assert_eq!(place.run(&[&RENDER[..], &["-o", "a.film"]].concat()).code, Some(0));
@@ -67,6 +81,7 @@ fn a_film_that_cannot_be_changed_says_how_to_make_one_that_can() {
     refused(&["develop", "a.film", "--primaries", "acescg", "-o", "a.png"], 2, ".exr");
     let render = |more: &[&'static str]| [&RENDER[..], more].concat();
     refused(&render(&["--keep", "ice-paths", "-o", "a.png"]), 2, ".film");
+    refused(&render(&["--keep", "light-groups", "-o", "a.png"]), 2, ".exr");
     refused(&render(&["--wavelengths", "500", "-o", "a.png"]), 2, ".exr");
     refused(&["develop", "a.film", "--impurity", "coal=1ppm", "-o", "a.png"], 2, "black-carbon");
     refused(&["develop", "a.film", "--ice-k", "-3", "-o", "a.png"], 2, "1/m");

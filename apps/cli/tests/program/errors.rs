@@ -90,6 +90,27 @@ fn missing_input_is_66() {
 }
 
 #[test]
+fn lights_that_cannot_be_are_65_and_missing_maps_66() {
+    let under = |light: &str| SCENE.replace("kind = \"sky\"", light);
+    let map = under("kind = \"environment\"\nfile = \"sky.hdr\"");
+    refuses_scene(&map, 66, &["a.toml:", "light.0.file", "sky.hdr"]);
+    let night = under("kind = \"sun-sky\"\nelevation = -4");
+    refuses_scene(&night, 65, &["a.toml:", "light.0.elevation = -4", "above 0"]);
+    let flat = under("kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[1, 0, 0], [2, 0, 0]]");
+    refuses_scene(&flat, 65, &["a.toml:", "light.0.edges", "parallel"]);
+    let place = Workplace::new();
+    place.file("a.toml", &map);
+    for (content, parts) in [
+        ("#?RADIANCE\n\n-Y 60000 +X 60000\n", vec!["sky.hdr", "60000x60000"]),
+        ("#?RADIANCE\n\n-Y 8192 +X 16384\n", vec!["sky.hdr", "does not hold"]),
+        ("not a picture", vec!["sky.hdr", "Radiance"]),
+    ] {
+        place.file("sky.hdr", content);
+        refuses(&place, &["render", "a.toml", "-o", "a.png"], 65, &parts);
+    }
+}
+
+#[test]
 fn bad_meshes_are_65() {
     let place = Workplace::new();
     for (name, content, parts) in [

@@ -2,7 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic, in its helpers too")]
 
+mod cameras;
 mod colours;
+mod develop;
 mod errors;
 mod laboratory;
 mod light_in_snow;

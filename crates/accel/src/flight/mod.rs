@@ -10,9 +10,13 @@ mod crystal;
 pub(crate) mod random;
 mod sphere;
 pub(crate) mod vector;
+mod visit;
 
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
+pub use blocks::{Probe, ProbeAnswer, Probes};
+pub use visit::{ArrivalFrom, GrainVisit};
+
 use blocks::BlockFlight;
 use crystal::CrystalFlight;
 use fearless_simd::Level;
@@ -172,6 +176,29 @@ impl<'a> Flight<'a> {
     #[inline]
     pub fn advance(&mut self, events: &mut Vec<(usize, FlightEvent)>) {
         both!(&mut self.engine, flight => flight.advance(self.level, events));
+    }
+
+    /// Notes arrivals at grains from now on: [`Self::advance`] also returns when there are many, and
+    /// they are to be taken before its events are answered.
+    ///
+    /// # Panics
+    /// In a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`].
+    pub fn note_visits(&mut self) {
+        self.blocks().note_visits();
+    }
+
+    /// Moves the arrivals since the last call to `visits`, in the order of each path.
+    pub fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
+        self.blocks().take_visits(visits);
+    }
+
+    /// Whether the path of `lane`, which stands at a surface, is in ice.
+    #[must_use]
+    pub fn is_in_ice(&self, lane: usize) -> bool {
+        match &self.engine {
+            Engine::Blocks(flight) => flight.is_in_ice(lane),
+            Engine::Crystal(_) => false,
+        }
     }
 
     /// The ray along which the path of `lane` travels, from where it stands (metres): in a grid that

@@ -290,6 +290,24 @@ impl GrainGrid {
         self.metres(DVec3::from_array(quanta))
     }
 
+    /// The same place told from the cell that holds it; `None` where that is beyond the grid (periodic
+    /// or not).
+    #[inline]
+    #[must_use]
+    pub fn settled(&self, place: GridPosition) -> Option<GridPosition> {
+        let GridPosition { mut cell, mut local } = place;
+        for axis in 0..3 {
+            let (side, margin) = (self.side[axis] as f32, self.margin as f32);
+            let shift = ((local[axis] - margin) / side).floor();
+            cell[axis] += shift as i32;
+            local[axis] -= shift * side;
+            if !(0..self.cells[axis]).contains(&cell[axis]) {
+                return None;
+            }
+        }
+        Some(GridPosition { cell, local })
+    }
+
     /// From a place in the first period to the same one so many periods further, metres.
     pub(crate) fn beyond_first_period(&self, periods: [i32; 3]) -> DVec3 {
         let quanta = |axis: usize| {
@@ -434,6 +452,22 @@ impl GrainGrid {
                 grains,
             });
         }
+        Self::lattice_in_cells(quantisation, cell, counts, first, periodic)
+    }
+
+    /// As [`Self::lattice`], always of cells whose blocks can be asked: what light that looks for other
+    /// light at each grain needs.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn lattice_in_cells(
+        quantisation: Quantisation,
+        cell: &LatticeCell,
+        counts: [u32; 3],
+        first: [i32; 3],
+        periodic: [bool; 3],
+    ) -> Result<Self, GridError> {
+        let grains = counts.map(u64::from).iter().product::<u64>() * cell.basis.len() as u64;
         let pieces = cell.pieces().ok_or(GridError::WideLattice)?;
         let (storage, blocks, cells) =
             LatticeCells::new(quantisation, cell, pieces, counts, periodic)?;

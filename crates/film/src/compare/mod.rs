@@ -5,7 +5,8 @@ mod z_test;
 
 pub use z_test::ZTest;
 
-use crate::{FilmError, Picture, develop};
+use crate::develop::{self, Development};
+use crate::{FilmError, Picture};
 
 /// Everything said about a picture against a reference.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +49,8 @@ pub fn compare(
     let reference_mean = reference.mean_radiance()?;
     let level = reference_mean.iter().sum::<f64>() / 3.0;
     let flip = flip::flip(
-        &develop::to_8_bit(reference, exposure)?,
-        &develop::to_8_bit(picture, exposure)?,
+        &develop::to_8_bit(reference, &Development::plain(exposure))?,
+        &develop::to_8_bit(picture, &Development::plain(exposure))?,
         pixels_per_degree,
     )?;
     Ok(Comparison {

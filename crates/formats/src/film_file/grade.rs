@@ -1,5 +1,5 @@
 //! The grade of a film, as TOML: `primaries`, `lights`, `absorption` (a source or 1/m), `enhancement`,
-//! and `impurities`, each a mass fraction or cells per kilogram of ice.
+//! `exposure_stops` (where it is not 0) and `impurities`, each a mass fraction or cells per kilogram of ice.
 
 use crate::laboratory::impurity_kind;
 use crate::scene::Absorption;
@@ -14,9 +14,13 @@ pub(super) fn to_toml(grade: &Grade) -> String {
         snowgrain_optics::Absorption::Grey(per_metre) => format!("{per_metre:?}"),
         snowgrain_optics::Absorption::Measured(source) => format!("\"{}\"", source.name()),
     };
+    let exposure = match grade.exposure_stops {
+        0.0 => String::new(),
+        stops => format!("exposure_stops = {stops:?}\n"),
+    };
     let mut text = format!(
         "primaries = \"{}\"\nlights = {lights:?}\nabsorption = {absorption}\nenhancement = {:?}\n\
-         \n[impurities]\n",
+         {exposure}\n[impurities]\n",
         grade.primaries.name(),
         grade.enhancement,
     );
@@ -35,6 +39,8 @@ struct GradeTable {
     lights: Vec<String>,
     absorption: Absorption,
     enhancement: f64,
+    #[serde(default)]
+    exposure_stops: f64,
     impurities: BTreeMap<String, f64>,
 }
 
@@ -46,10 +52,7 @@ pub(super) fn from_toml(bytes: &[u8]) -> Result<Grade, String> {
         toml::from_str(text).map_err(|error| format!("its grade: {}", error.message()))?;
     let unknown = |name: &str| format!("its grade names {name}, which is not known");
     let primaries = Primaries::ALL.into_iter().find(|known| known.name() == table.primaries);
-    let light = |name: &String| {
-        let light = Illuminant::ALL.into_iter().find(|known| known.name() == name);
-        light.ok_or_else(|| unknown(name))
-    };
+    let light = |name: &String| Illuminant::from_name(name).ok_or_else(|| unknown(name));
     let impurity = |(name, &amount): (&String, &f64)| {
         let kind = impurity_kind(name)?;
         let load = if kind.is_counted() {
@@ -59,11 +62,15 @@ pub(super) fn from_toml(bytes: &[u8]) -> Result<Grade, String> {
         };
         Ok(Impurity { kind, load })
     };
+    if !table.exposure_stops.is_finite() {
+        return Err("its exposure is not a finite number".into());
+    }
     Ok(Grade {
         primaries: primaries.ok_or_else(|| unknown(&table.primaries))?,
         lights: table.lights.iter().map(light).collect::<Result<_, _>>()?,
         absorption: table.absorption.0,
         impurities: table.impurities.iter().map(impurity).collect::<Result<_, String>>()?,
         enhancement: table.enhancement,
+        exposure_stops: table.exposure_stops,
     })
 }

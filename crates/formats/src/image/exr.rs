@@ -2,15 +2,24 @@
 //!
 //! One part, channels named as [`Layer::name`] says (the format demands alphabetical order in the
 //! file), ZIP compression, chromaticities of the primaries, and where known the attributes
-//! `samplesPerPixel`, `seed`, `sceneHash` and `software` (name and version). Colours that a denoiser made have `denoised` = 1.
+//! `samplesPerPixel`, `seed`, `sceneHash`, `exposureStops` and `software` (name and version). Colours that a
+//! denoiser made have `denoised` = 1.
 //!
 //! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
 //! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
 //! attributes `spectralLayoutVersion` and `emissiveUnits`.
+//!
+//! The light of each group of lights is in channels `Groups.<name>.R`, `.G` and `.B`, that of glints in
+//! `Glints.R`, `.G` and `.B`; together they add up to R, G and B.
+
+mod channels;
 
 use super::{check_size, picture_fault};
 use crate::atomic;
 use crate::error::{Fault, FormatsError};
+use channels::{
+    COMPONENTS, light_channel, light_layers, light_prefix, spectral_name, spectral_wavelength,
+};
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer as Part};
 use exr::math::Vec2;
@@ -26,9 +35,10 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// First bytes of an EXR file.
-pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+pub(crate) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
 const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
+const EXPOSURE: &str = "exposureStops";
 const SEED: &str = "seed";
 const SCENE_HASH: &str = "sceneHash";
 const DENOISED: &str = "denoised";
@@ -55,12 +65,22 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
         .spectrum
         .iter()
         .map(|layer| channel(&spectral_name(layer.wavelength_nm), &layer.values));
-    let channels = layers.chain(spectral).collect();
+    let light = picture.light_layers.iter().flat_map(|layer| {
+        let prefix = light_prefix(&layer.name);
+        let values = COMPONENTS.into_iter().zip(&layer.values);
+        values.map(move |(component, values)| channel(&format!("{prefix}.{component}"), values))
+    });
+    let channels = layers.chain(spectral).chain(light).collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
+    attributes.vertical_field_of_view = picture.vertical_fov_degrees.map(|degrees| degrees as f32);
     if let Some(provenance) = &picture.provenance {
         attributes.other.extend(described(provenance));
+    }
+    if picture.exposure_stops != 0.0 {
+        let stops = AttributeValue::F64(picture.exposure_stops);
+        attributes.other.insert(Text::from(EXPOSURE), stops);
     }
     if picture.denoised {
         attributes.other.insert(Text::from(DENOISED), AttributeValue::I32(1));
@@ -89,18 +109,6 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     image.write().non_parallel().to_buffered(Cursor::new(&mut bytes))?;
     Ok(with_sorted_attributes(bytes))
-}
-
-/// The channel of a wavelength: the whole and the broken part of nanometres with a comma between.
-fn spectral_name(wavelength_nm: f64) -> String {
-    format!("S0.{}nm", format!("{wavelength_nm:?}").replace('.', ","))
-}
-
-/// The wavelength of such a channel, nm.
-fn spectral_wavelength(name: &str) -> Option<f64> {
-    let digits = name.strip_prefix("S0.")?.strip_suffix("nm")?;
-    let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == ',');
-    plain.then(|| digits.replace(',', ".").parse().ok()).flatten()
 }
 
 fn chromaticities(primaries: Primaries) -> Chromaticities {
@@ -179,6 +187,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
         .map_err(fault)?;
     let part = &image.layer_data;
     let mut picture = empty_picture(&image.attributes, &part.attributes, part.size)?;
+    let mut light = Vec::new();
     for channel in &part.channel_data.list {
         let name = channel.name.to_string();
         if let Some(layer) = Layer::from_name(&name) {
@@ -187,14 +196,78 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
         } else if let Some(wavelength_nm) = spectral_wavelength(&name) {
             let values = channel.sample_data.values_as_f32().collect();
             picture.spectrum.push(SpectralLayer { wavelength_nm, values });
+        } else if let Some((layer, component)) = light_channel(&name) {
+            let values = channel.sample_data.values_as_f32().collect();
+            light.push((layer.to_owned(), component, values));
         }
     }
+    picture.light_layers = light_layers(light);
+    picture.vertical_fov_degrees = part.attributes.vertical_field_of_view.map(f64::from);
     picture.spectrum.sort_by(|a, b| a.wavelength_nm.total_cmp(&b.wavelength_nm));
     picture.primaries = primaries(image.attributes.chromaticities)?;
+    picture.exposure_stops = exposure(&part.attributes);
     picture.provenance = provenance(&part.attributes);
     let denoised = part.attributes.other.get(&Text::from(DENOISED));
     picture.denoised = matches!(denoised, Some(AttributeValue::I32(value)) if *value != 0);
     Ok(picture)
+}
+
+/// The colours of the first part that is not deep and has R, G and B of the primaries of sRGB: pixels
+/// across and down, and linear sRGB from the top. `check_size` is asked before memory is taken.
+pub(crate) fn decode_colours(
+    bytes: &[u8],
+    check_size: &dyn Fn(usize, usize) -> Result<(), Fault>,
+) -> Result<(usize, usize, Vec<[f32; 3]>), Fault> {
+    let fault = |error: exr::error::Error| {
+        Fault::whole(format!("not a valid EXR file: {error}"), "make the picture again")
+    };
+    let headers = MetaData::read_from_buffered(bytes, false).map_err(fault)?.headers;
+    let Some(index) = headers.iter().position(|header| missing(header).is_none()) else {
+        let missing = |(index, header): (usize, &Header)| {
+            missing(header).map(|missing| format!("part {index} {missing}"))
+        };
+        let missing: Vec<_> = headers.iter().enumerate().filter_map(missing).collect();
+        let mend = "write its colours as channels R, G and B of a part of flat pixels";
+        return Err(Fault::whole(missing.join(", "), mend));
+    };
+    let size = headers[index].layer_size;
+    check_size(size.width(), size.height())?;
+    headers.iter().try_for_each(|header| check_header(header, bytes.len()))?;
+    if primaries(headers[index].shared_attributes.chromaticities)? != Primaries::Srgb {
+        return Err(Fault::whole("its primaries are not those of sRGB", "convert it to sRGB"));
+    }
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(fault)?;
+    // Deep parts are left out by the reader.
+    let flat = headers[..index].iter().filter(|header| !header.deep).count();
+    let channels = image.layer_data.get(flat).map(|part| &part.channel_data.list);
+    let values = |name: &str| {
+        let mut of_name = channels.into_iter().flatten().filter(|channel| channel.name == *name);
+        of_name.next().map(|channel| channel.sample_data.values_as_f32())
+    };
+    let (Some(red), Some(green), Some(blue)) = (values("R"), values("G"), values("B")) else {
+        return Err(Fault::whole("its colours cannot be found", "make the picture again"));
+    };
+    let pixels = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]);
+    Ok((size.width(), size.height(), pixels.collect()))
+}
+
+/// What a part lacks to be a picture in colours.
+fn missing(header: &Header) -> Option<String> {
+    if header.deep {
+        return Some("is deep".into());
+    }
+    let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
+    let has = |wanted: &str| names.iter().any(|name| name == wanted);
+    let colours = has("R") && has("G") && has("B");
+    (!colours).then(|| format!("has the channels {}, not R, G and B", names.join(", ")))
 }
 
 /// Refuses claims that the file cannot hold: pixels, and chunks of at least a table entry (8
@@ -234,6 +307,13 @@ fn empty_picture(
     }
 }
 
+fn exposure(attributes: &LayerAttributes) -> f64 {
+    match attributes.other.get(&Text::from(EXPOSURE)) {
+        Some(AttributeValue::F64(stops)) if stops.is_finite() => *stops,
+        _ => 0.0,
+    }
+}
+
 fn provenance(attributes: &LayerAttributes) -> Option<Provenance> {
     let attribute = |name: &str| attributes.other.get(&Text::from(name));
     let text = |name: &str| match attribute(name) {
@@ -261,6 +341,8 @@ fn provenance(attributes: &LayerAttributes) -> Option<Provenance> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use snowgrain_film::LightLayer;
+    use snowgrain_film::light_layers::GLINTS;
 
     fn picture() -> Picture {
         let window = PixelRect::new(3, 2, 13, 42);
@@ -273,7 +355,15 @@ mod tests {
         picture.spectrum = [400.0, 555.5, 700.0]
             .map(|nm| SpectralLayer { wavelength_nm: nm, values: vec![nm as f32 * 1e-3; 400] })
             .to_vec();
+        picture.light_layers = ["moon", "sun-and-the-stars-and-x", GLINTS]
+            .map(|name| {
+                let values = [0.0, 0.5, -1e-3].map(|x| vec![x + name.len() as f32; 400]);
+                LightLayer { name: name[..name.len().min(22)].into(), values }
+            })
+            .to_vec();
+        picture.vertical_fov_degrees = Some(22.5);
         let hash = std::array::from_fn(|i| i as u8 * 7);
+        picture.exposure_stops = -15.25;
         picture.provenance =
             Some(Provenance { scene_hash: hash, seed: u64::MAX, samples_per_pixel: 64 });
         picture
@@ -285,16 +375,6 @@ mod tests {
         let mut denoised = picture();
         denoised.denoised = true;
         assert_eq!(decode(&encode(&denoised).unwrap()).unwrap(), denoised);
-    }
-
-    #[test]
-    fn spectral_channels_are_named_by_their_wavelength() {
-        assert_eq!(spectral_name(550.0), "S0.550,0nm");
-        assert_eq!(spectral_name(412.25), "S0.412,25nm");
-        assert_eq!(spectral_wavelength("S0.412,25nm"), Some(412.25));
-        for other in ["S0.nm", "S1.550,0nm", "S0.-5nm", "R", "S0.5,5,5nm"] {
-            assert_eq!(spectral_wavelength(other), None, "{other}");
-        }
     }
 
     #[test]

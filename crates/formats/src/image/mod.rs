@@ -1,6 +1,6 @@
 //! Pictures: PNG for display, OpenEXR for scene-linear layers.
 
-mod exr;
+pub(crate) mod exr;
 mod png;
 
 pub use self::exr::write_exr;

@@ -91,6 +91,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use snowgrain_film::develop::{self, Development};
 
     const WINDOW: PixelRect = PixelRect::new(2, 1, 5, 3);
 
@@ -105,14 +106,15 @@ mod tests {
     fn eight_and_sixteen_bits_come_back() {
         let picture = decode(&encoded()).unwrap();
         assert_eq!((picture.width(), picture.height()), (3, 2));
-        let developed = snowgrain_film::develop::to_8_bit(&picture, 0.0).unwrap();
+        let developed = develop::to_8_bit(&picture, &Development::default()).unwrap();
         assert_eq!(developed.values, (0..18).map(|i| i * 15).collect::<Vec<u8>>());
 
         let values: Vec<u16> = (0..18).map(|i| i * 3_777).collect();
         let mut bytes = Vec::new();
         let raw = bytemuck::cast_slice(&values);
         encode(&mut bytes, raw, WINDOW, ExtendedColorType::Rgb16).unwrap();
-        let developed = snowgrain_film::develop::to_16_bit(&decode(&bytes).unwrap(), 0.0).unwrap();
+        let developed =
+            develop::to_16_bit(&decode(&bytes).unwrap(), &Development::default()).unwrap();
         assert_eq!(developed.values, values);
     }
 

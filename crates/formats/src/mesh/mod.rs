@@ -1,4 +1,4 @@
-//! Triangle meshes from OBJ and PLY files.
+//! Triangle meshes from OBJ, PLY and glTF files.
 //!
 //! Numbers in a file are lengths in the file's own unit; whoever loads it scales it to metres.
 
@@ -9,12 +9,12 @@ pub use ply::{PlyContent, ply_content};
 pub(crate) use ply::{coordinates, single_property};
 
 use crate::error::{Fault, FormatsError, Place};
-use crate::input;
+use crate::{gltf, input};
 use snowgrain_geometry::{GeometryError, TriangleMesh};
 use std::path::Path;
 
-/// Loads a mesh from an `.obj` or `.ply` file; polygons become fans of triangles, everything but
-/// positions and faces is ignored.
+/// Loads a mesh from an `.obj`, `.ply`, `.gltf` or `.glb` file; polygons become fans of triangles,
+/// everything but positions and faces is ignored, and all nodes of a glTF scene are one mesh.
 ///
 /// # Errors
 /// A missing or unreadable file; another extension; content that is not a mesh, with its line
@@ -23,6 +23,7 @@ pub fn load_mesh(path: &Path) -> Result<TriangleMesh, FormatsError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let mesh = match extension.as_deref() {
         Some("obj") => obj::parse(&input::read_whole(path)?),
+        Some("gltf" | "glb") => gltf::joined_mesh(&input::read_whole(path)?, path),
         Some("ply") => {
             let (reader, length) = input::open(path)?;
             ply::read(reader, length)
@@ -30,14 +31,14 @@ pub fn load_mesh(path: &Path) -> Result<TriangleMesh, FormatsError> {
         _ => {
             input::open(path)?;
             let what = "this is not a mesh that Snowgrain reads";
-            Err(Fault::whole(what, "give an .obj or a .ply file"))
+            Err(Fault::whole(what, "give an .obj, .ply, .gltf or .glb file"))
         }
     };
     mesh.map_err(|fault| fault.of(path))
 }
 
 /// The checked mesh.
-fn mesh(
+pub(crate) fn mesh(
     positions: Vec<snowgrain_math::DVec3>,
     triangles: Vec<[u32; 3]>,
 ) -> Result<TriangleMesh, Fault> {

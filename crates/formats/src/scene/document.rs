@@ -3,6 +3,12 @@
 //! The doc comments here are the manual of the format: the JSON Schema and the error messages quote
 //! them. [`super::resolve`] says what a document means.
 
+mod camera;
+mod light;
+
+pub use camera::{CameraKind, CameraTable, ImportTable};
+pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
+
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -18,12 +24,16 @@ pub struct SceneDocument {
     /// The picture.
     #[serde(default)]
     pub film: FilmTable,
-    /// The camera.
-    pub camera: CameraTable,
+    /// A shot made elsewhere, of which objects and camera are taken over.
+    #[serde(default)]
+    pub import: Option<ImportTable>,
+    /// The camera; may be left out where `import` has one.
+    #[serde(default)]
+    pub camera: Option<CameraTable>,
     /// The ice that grains are made of.
     #[serde(default)]
     pub ice: IceTable,
-    /// The lights; their radiances add.
+    /// The lights; their radiances add. At least one, or an object with `emission`.
     #[serde(default)]
     pub light: Vec<LightTable>,
     /// Solid diffuse objects.
@@ -56,9 +66,11 @@ pub struct FilmTable {
     /// Primaries of the picture: "srgb" or "acescg"; default "srgb". All colours in a scene are of
     /// sRGB whatever they are.
     pub primaries: PrimariesName,
-    /// What a .film file keeps beside the picture: ["ice-paths"], each pixel's light by length in
+    /// What a .film file keeps beside the picture: "ice-paths", each pixel's light by length in
     /// ice, so that ice and impurities can be chosen after the render (768 bytes a pixel for each
-    /// spectrum of lights); default [], nothing.
+    /// group and spectrum of lights); "light-groups", the light of each group of lights, so that they can
+    /// be mixed after the render (48 bytes a pixel for each group; always kept where there are several);
+    /// default [], nothing.
     pub keep: Vec<KeepName>,
 }
 
@@ -90,6 +102,8 @@ pub enum SamplerName {
 pub enum KeepName {
     /// Light by length in ice.
     IcePaths,
+    /// Light by group of lights.
+    LightGroups,
 }
 
 impl Default for FilmTable {
@@ -104,38 +118,6 @@ impl Default for FilmTable {
             keep: Vec::new(),
         }
     }
-}
-
-/// A pinhole camera.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CameraTable {
-    /// Where the camera is: [x, y, z], lengths.
-    pub from: [Length; 3],
-    /// The point in the middle of the picture: [x, y, z], lengths.
-    pub at: [Length; 3],
-    /// The direction that is up in the picture: [x, y, z]; default [0, 1, 0].
-    #[serde(default = "up")]
-    pub up: [f64; 3],
-    /// Vertical field of view in degrees, above 0 and below 180; default 40.
-    #[serde(default = "vertical_fov")]
-    pub vertical_fov: f64,
-    /// What the camera sees behind everything, where no visible light is: radiance, one number or
-    /// [r, g, b], at least 0; default 0. It lights nothing.
-    #[serde(default = "black")]
-    pub backdrop: Triple,
-}
-
-fn up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
-}
-
-fn vertical_fov() -> f64 {
-    40.0
-}
-
-fn black() -> Triple {
-    Triple([0.0; 3])
 }
 
 /// The ice, and what lies between its grains.
@@ -179,56 +161,8 @@ pub enum PoresName {
     Water,
 }
 
-/// A light.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LightTable {
-    /// "sky" (a diffuse hemisphere above, at infinity; black below) or "uniform" (the whole sphere).
-    pub kind: LightKind,
-    /// Radiance: one number or [r, g, b], at least 0; default 1.
-    #[serde(default = "one")]
-    pub radiance: Triple,
-    /// Spectrum, of which `radiance` is the brightness and tint: "d65" (daylight), "d55" (mid-morning
-    /// daylight), "a" (an incandescent lamp) or "equal-energy"; default "d65", the white of pictures.
-    #[serde(default)]
-    pub spectrum: SpectrumName,
-    /// Whether the camera sees it behind everything (else it sees camera.backdrop): true or false;
-    /// default true.
-    #[serde(default = "yes")]
-    pub visible_to_camera: bool,
-}
-
 fn one() -> Triple {
     Triple([1.0; 3])
-}
-
-fn yes() -> bool {
-    true
-}
-
-/// Spectra of lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpectrumName {
-    /// CIE D65.
-    #[default]
-    D65,
-    /// CIE D55.
-    D55,
-    /// CIE A.
-    A,
-    /// The same power at every wavelength.
-    EqualEnergy,
-}
-
-/// Kinds of light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum LightKind {
-    /// A diffuse hemisphere above y = 0 at infinity.
-    Sky,
-    /// The whole sphere at infinity.
-    Uniform,
 }
 
 /// A solid, diffuse object. It is scaled, then rotated, then translated.
@@ -241,12 +175,22 @@ pub struct ObjectTable {
     /// Name used in messages: a string; default the file's name or `object.N`.
     #[serde(default)]
     pub name: Option<String>,
-    /// Mesh file (.obj or .ply), relative to the scene file; only for shape = "mesh".
+    /// Mesh file (.obj, .ply, .gltf or .glb), relative to the scene file; only for shape = "mesh".
     #[serde(default)]
     pub file: Option<String>,
     /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.
     #[serde(default = "half")]
     pub albedo: Triple,
+    /// Radiance that it sends out on both sides, as a lamp: one number or [r, g, b], at least 0; it is black
+    /// then and takes no albedo; not for a plane; default none.
+    #[serde(default)]
+    pub emission: Option<Triple>,
+    /// Spectrum of the emission, as `light.spectrum`; default "d65".
+    #[serde(default)]
+    pub emission_spectrum: Option<SpectrumName>,
+    /// Group of the emission, as `light.group`; default "lamps".
+    #[serde(default)]
+    pub emission_group: Option<String>,
     /// Scale: one number or [x, y, z], none of them 0; default 1.
     #[serde(default = "one")]
     pub scale: Triple,
@@ -437,11 +381,31 @@ pub enum LatticeName {
 #[derive(Clone, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (exact: every grain is met, light is found by escape only); default "grains".
+    /// "grains" (every grain is met); default "grains".
     pub kind: IntegratorName,
+    /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
+    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, on average
+    /// within 1 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
+    /// sampled); default "auto".
+    pub light: LightFindingName,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.
     pub packing: Option<PackingName>,
+}
+
+/// How lights are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightFindingName {
+    /// Sampled where there is a small light.
+    #[default]
+    Auto,
+    /// By chance.
+    Exact,
+    /// Small lights are looked for.
+    Sampled,
+    /// All lights are looked for.
+    AllSampled,
 }
 
 /// Packings of grains.

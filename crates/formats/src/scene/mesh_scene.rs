@@ -265,13 +265,13 @@ impl View {
 }
 
 /// Variation of the grains' radii, in radii.
-const VARIATION_TO_RADIUS: f64 = 0.4;
+pub(super) const VARIATION_TO_RADIUS: f64 = 0.4;
 
 /// Depth of the snow, in longest sides of the object.
-const SNOW_DEPTH_TO_SIZE: f64 = 0.05;
+pub(super) const SNOW_DEPTH_TO_SIZE: f64 = 0.05;
 
 /// Radius, metres, of the grains of which [`GRAINS`] fill this volume of snow, cubic metres.
-fn grain_radius(volume: f64) -> f64 {
+pub(super) fn grain_radius(volume: f64) -> f64 {
     let grain = volume * NOMINAL_SOLID_FRACTION / GRAINS;
     // Radii uniform in r (1 -+ v) have the mean cube r^3 (1 + v^2).
     let mean_cube = grain * 3.0 / (4.0 * std::f64::consts::PI);
@@ -291,10 +291,16 @@ fn write_toml(
     view: &View,
     radius: f64,
 ) -> String {
-    let file = toml::Value::from(file).to_string();
     let rotate_x = up.rotation_about_x();
     // Adding zero turns -0.0 into 0.0.
     let translate = placed.translate.to_array().map(|t| t + 0.0);
+    let object = write_object(
+        file,
+        &format!(
+            "scale = {scale:?}\nrotate = [{rotate_x:?}, {TURN_DEGREES:?}, 0]\n\
+             translate = {translate:?}\n"
+        ),
+    );
     let from = view.from.to_array().map(rounded);
     let at = view.at.to_array().map(rounded);
     let [east, south, north] = [view.slab.half_width, view.slab.near, view.slab.far].map(rounded);
@@ -327,14 +333,7 @@ kind = "sky"
 radiance = 1.25
 visible_to_camera = false
 
-[[object]]                       # turned by three quarters, standing on y = 0
-shape = "mesh"
-file = {file}
-albedo = [0.55, 0.06, 0.05]
-scale = {scale:?}
-rotate = [{rotate_x:?}, {TURN_DEGREES:?}, 0]
-translate = {translate:?}
-
+{object}
 [[object]]                       # the ground: a slab whose top is y = 0; only its far edge is seen
 name = "ground"
 shape = "box"
@@ -359,7 +358,28 @@ kind = "grains"
     )
 }
 
+/// The object: a mesh in one colour, or a shot that brings its own.
+fn write_object(file: &str, placement: &str) -> String {
+    let quoted = toml::Value::from(file).to_string();
+    if is_gltf(file) {
+        return format!(
+            "[import]                         # turned by three quarters, standing on y = 0\n\
+             file = {quoted}\n{placement}"
+        );
+    }
+    format!(
+        "[[object]]                       # turned by three quarters, standing on y = 0\n\
+         shape = \"mesh\"\nfile = {quoted}\nalbedo = [0.55, 0.06, 0.05]\n{placement}"
+    )
+}
+
+/// Whether a file is of glTF, by its name.
+pub(super) fn is_gltf(file: &str) -> bool {
+    let extension = std::path::Path::new(file).extension().unwrap_or_default();
+    ["gltf", "glb"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
 /// The number with five significant digits, so that the file can be read by people.
-fn rounded(x: f64) -> f64 {
+pub(super) fn rounded(x: f64) -> f64 {
     format!("{x:.4e}").parse().unwrap_or(x)
 }

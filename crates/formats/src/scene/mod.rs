@@ -6,11 +6,12 @@
 //! Every error names file and line, the dotted key, the value and the mend.
 //!
 //! [`builtin_scenes`] are the scenes that come with the program, [`scene_for_mesh`] makes one for a
-//! mesh that comes alone, [`schema`] is the JSON Schema of the format.
+//! mesh that comes alone, [`scene_for_shot`] for a shot with its camera, [`schema`] is the JSON Schema of the format.
 
 mod builtin;
 pub mod document;
 mod error;
+mod focus;
 mod keys;
 mod mesh_scene;
 mod overrides;
@@ -18,14 +19,17 @@ mod parse;
 mod quantity;
 mod resolve;
 mod schema;
+mod shot_scene;
 mod source;
 #[cfg(test)]
 mod tests;
 
 pub use builtin::{BuiltinScene, builtin_scene, builtin_scenes};
 pub use error::{LoadError, SceneError};
+pub use focus::Focus;
 pub use mesh_scene::{MeshScene, MeshSceneOptions, MeshUnits, UpAxis, scene_for_mesh};
 pub use parse::{MAX_SCENE_BYTES, SCENE_VERSION, SceneFile};
 pub use quantity::{Absorption, Length, LoadText, Triple};
-pub use resolve::{Loader, ReadGrains, ReadMesh, furnace, resolve};
+pub use resolve::{Loader, ReadEnvironment, ReadGrains, ReadImport, ReadMesh, furnace, resolve};
 pub use schema::schema;
+pub use shot_scene::scene_for_shot;

@@ -1,25 +1,28 @@
 //! Second stage: from a [`SceneFile`] to the [`SceneDescription`] that it means.
 
+mod camera;
 mod checks;
+mod import;
+mod lights;
 mod objects;
 mod snow;
 
 use super::document::{
-    IntegratorName, KeepName, LightKind, PackingName, PoresName, PrimariesName, SamplerName,
-    SpectrumName,
+    IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName, SamplerName,
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
+use crate::gltf::ImportedScene;
 use crate::laboratory::{impurity_kind, parse_load};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
-use snowgrain_math::DVec3;
-use snowgrain_optics::{Absorption, Illuminant, Impurity, Primaries};
+use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription, Packing,
-    Pores, Sampler, SceneDescription,
+    FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
+    Packing, Pores, Sampler, SceneDescription,
 };
+use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -31,12 +34,22 @@ pub type ReadMesh<'a> = dyn FnMut(&Path) -> Result<TriangleMesh, LoadError> + 'a
 /// Reads a grain file.
 pub type ReadGrains<'a> = dyn FnMut(&Path) -> Result<GrainField, LoadError> + 'a;
 
+/// Reads a shot made elsewhere.
+pub type ReadImport<'a> = dyn FnMut(&Path) -> Result<ImportedScene, LoadError> + 'a;
+
+/// Reads a map of all directions.
+pub type ReadEnvironment<'a> = dyn FnMut(&Path) -> Result<EnvironmentMap, LoadError> + 'a;
+
 /// How the files that a scene refers to are read.
 pub struct Loader<'a> {
     /// Reads a mesh.
     pub mesh: &'a mut ReadMesh<'a>,
     /// Reads grains.
     pub grains: &'a mut ReadGrains<'a>,
+    /// Reads a shot.
+    pub import: &'a mut ReadImport<'a>,
+    /// Reads a map.
+    pub environment: &'a mut ReadEnvironment<'a>,
 }
 
 /// What the scene means: every value checked, units converted, references loaded (relative to the
@@ -50,18 +63,29 @@ pub struct Loader<'a> {
 /// let scene = builtin_scene("snowy-teapot").unwrap();
 /// let file = SceneFile::parse(scene.toml, "snowy-teapot".as_ref(), &["film.width=64".into()])?;
 /// let none = |_: &std::path::Path| Err("it refers to no file".into());
-/// let description = resolve(&file, Loader { mesh: &mut { none }, grains: &mut |_| Err("nor here".into()) })?;
+/// let loader = Loader {
+///     mesh: &mut { none },
+///     grains: &mut |_| Err("nor here".into()),
+///     environment: &mut |_| Err("nor here".into()),
+///     import: &mut |_| Err("nor here".into()),
+/// };
+/// let description = resolve(&file, loader)?;
 /// assert_eq!(description.film.width, 64);
 /// # Ok::<(), snowgrain_formats::scene::SceneError>(())
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains } = loader;
+    let Loader { mesh, grains, environment, import } = loader;
     let film = film(&checks)?;
-    let camera = camera(&checks)?;
+    let written_camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
-    let lights = lights(&checks)?;
-    let objects = objects::objects(&checks, mesh)?;
+    let mut lights = lights::lights(&checks, environment)?;
+    let shot = import::import(&checks, import)?;
+    let no_camera =
+        || checks.missing("camera", "add [camera] with from = [0, 1, 3], at = [0, 0, 0]");
+    let camera = written_camera.or(shot.camera).ok_or_else(no_camera)?;
+    let (objects, lamps) = objects::objects(&checks, shot.objects, mesh)?;
+    lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
     let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;
@@ -72,11 +96,31 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let integrator = match file.document.integrator.kind {
         IntegratorName::Grains => IntegratorKind::Grains,
     };
+    lights::refuse_points(&checks, integrator)?;
     let packing = file.document.integrator.packing.map(|name| match name {
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
-    Ok(SceneDescription { film, camera, ice, lights, objects, snow, strata, integrator, packing })
+    let light_finding = match file.document.integrator.light {
+        LightFindingName::Auto if lights.iter().all(LightDescription::is_sky) => {
+            LightFinding::Exact
+        }
+        LightFindingName::Exact => LightFinding::Exact,
+        LightFindingName::Auto | LightFindingName::Sampled => LightFinding::Sampled,
+        LightFindingName::AllSampled => LightFinding::AllSampled,
+    };
+    Ok(SceneDescription {
+        film,
+        camera,
+        ice,
+        lights,
+        objects,
+        snow,
+        strata,
+        integrator,
+        light_finding,
+        packing,
+    })
 }
 
 fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
@@ -103,35 +147,8 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
             PrimariesName::Acescg => Primaries::AcesCg,
         },
         keep_ice_paths: film.keep.contains(&KeepName::IcePaths),
-    })
-}
-
-fn camera(checks: &Checks<'_>) -> Result<CameraDescription, SceneError> {
-    let camera = &checks.document().camera;
-    let from = checks.position("camera.from", camera.from)?;
-    let at = checks.position("camera.at", camera.at)?;
-    let up = DVec3::from(checks.finite("camera.up", camera.up)?);
-    let gaze = (at - from).try_normalize();
-    let Some(gaze) = gaze else {
-        return Err(checks.bad("camera.at", "must differ from camera.from"));
-    };
-    let Some(upward) = (up / up.abs().max_element()).try_normalize() else {
-        return Err(checks.bad("camera.up", "must not be zero; [0, 1, 0] is usual"));
-    };
-    if gaze.cross(upward).length() < 1e-6 {
-        let mend = "must not point along the line of sight; to look straight down use [0, 0, -1]";
-        return Err(checks.bad("camera.up", mend));
-    }
-    let fov = camera.vertical_fov;
-    if !(fov > 0.0 && fov < 180.0) {
-        return Err(checks.bad("camera.vertical_fov", "must be above 0 and below 180 degrees"));
-    }
-    Ok(CameraDescription {
-        from,
-        at,
-        up,
-        vertical_fov_degrees: fov,
-        backdrop: checks.radiance("camera.backdrop", camera.backdrop)?,
+        exposure_stops: camera::exposure_stops(checks)?,
+        keep_light_groups: film.keep.contains(&KeepName::LightGroups),
     })
 }
 
@@ -195,42 +212,13 @@ fn impurities(
     loads.iter().map(impurity).collect::<Result<_, String>>().map_err(|mend| checks.bad(key, mend))
 }
 
-fn lights(checks: &Checks<'_>) -> Result<Vec<LightDescription>, SceneError> {
-    let lights = &checks.document().light;
-    if lights.is_empty() {
-        let mend = "the picture would be black; add [[light]] with kind = \"sky\"";
-        return Err(checks.missing("light", mend));
-    }
-    let describe = |(i, light): (usize, &super::document::LightTable)| {
-        let radiance = checks.radiance(&format!("light.{i}.radiance"), light.radiance)?;
-        let visible_to_camera = light.visible_to_camera;
-        let spectrum = match light.spectrum {
-            SpectrumName::D65 => Illuminant::D65,
-            SpectrumName::D55 => Illuminant::D55,
-            SpectrumName::A => Illuminant::A,
-            SpectrumName::EqualEnergy => Illuminant::EqualEnergy,
-        };
-        Ok(match light.kind {
-            LightKind::Sky => LightDescription::Sky { radiance, spectrum, visible_to_camera },
-            LightKind::Uniform => {
-                LightDescription::Uniform { radiance, spectrum, visible_to_camera }
-            }
-        })
-    };
-    lights.iter().enumerate().map(describe).collect()
-}
-
 /// The scene as a furnace: albedos 1, no absorption, and for light only a uniform sphere of
 /// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
 #[must_use]
 pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.ice = IceDescription { pores: scene.ice.pores, ..IceDescription::clear(scene.ice.ior) };
     scene.strata = Strata::default();
-    scene.lights = vec![LightDescription::Uniform {
-        radiance: [1.0; 3],
-        spectrum: Illuminant::D65,
-        visible_to_camera: true,
-    }];
+    scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.albedo = [1.0; 3];

@@ -1,15 +1,21 @@
 //! Scenes good and bad, end to end.
 
 mod accepted;
+mod lights;
 mod never_panics;
 mod refused;
 
 use super::{LoadError, Loader, SceneError, SceneFile, resolve};
+use crate::gltf::{
+    ImportedCamera, ImportedMaterial, ImportedObject, ImportedProjection, ImportedScene,
+};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
-use snowgrain_math::DVec3;
+use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_render::description::SceneDescription;
+use snowgrain_render::light::EnvironmentMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The least scene; tests add to it.
 const LEAST: &str = "\
@@ -31,13 +37,55 @@ fn triangle() -> TriangleMesh {
     TriangleMesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Z], vec![[0, 1, 2]]).unwrap()
 }
 
+/// Two triangles one over the other, seen by two cameras.
+fn shot() -> ImportedScene {
+    let mesh = Arc::new(triangle());
+    let material = ImportedMaterial { base_colour: [0.2, 0.3, 0.4], metallic: 0.0, roughness: 1.0 };
+    let object = |height: f64| ImportedObject {
+        name: format!("at {height}"),
+        mesh: Arc::clone(&mesh),
+        transform: DAffine3::from_translation(DVec3::Y * height),
+        material,
+    };
+    let camera = |name: &str, projection| ImportedCamera {
+        name: name.into(),
+        from: DVec3::new(0.0, 0.0, 2.0),
+        gaze: DVec3::NEG_Z,
+        up: DVec3::Y,
+        projection,
+        aspect: Some(1.5),
+    };
+    ImportedScene {
+        objects: vec![object(0.0), object(0.5)],
+        cameras: vec![
+            camera("eye", ImportedProjection::Perspective { vertical_fov_degrees: 30.0 }),
+            camera("plan", ImportedProjection::Orthographic { height: 3.0 }),
+        ],
+        ..ImportedScene::default()
+    }
+}
+
 fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
     let read_mesh = |path: &Path| match path.to_str() {
         Some("folder/model.obj") => Ok(triangle()),
         _ => Err(LoadError::from("no such file")),
     };
     let read_grains = |_: &Path| Err::<GrainField, _>(LoadError::from("a header without end"));
-    resolve(file, Loader { mesh: &mut { read_mesh }, grains: &mut { read_grains } })
+    let read_environment = |path: &Path| match path.to_str() {
+        Some("folder/sky.hdr") => Ok(EnvironmentMap::new(2, 1, vec![[1.0; 3]; 2])?),
+        _ => Err(LoadError::from("no such file")),
+    };
+    let read_import = |path: &Path| match path.to_str() {
+        Some("folder/shot.glb") => Ok(shot()),
+        _ => Err(LoadError::from("no such file")),
+    };
+    let loader = Loader {
+        mesh: &mut { read_mesh },
+        grains: &mut { read_grains },
+        environment: &mut { read_environment },
+        import: &mut { read_import },
+    };
+    resolve(file, loader)
 }
 
 /// Reads `text` as the file `folder/scene.toml`, with overrides.

@@ -14,7 +14,8 @@ mod stream;
 mod tile_sums;
 
 use crate::statistics::Statistics;
-use crate::transport::trace;
+use crate::transport::seek::Seeker;
+use crate::transport::{trace, trace_seeking};
 use crate::{RenderError, Scene};
 pub use noise::{PILOT_SAMPLES, Pilot, block_counts};
 use passes::Passes;
@@ -127,9 +128,13 @@ pub fn render_blocks_with<T>(
     let crop = settings.crop;
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
     film.grade = scene.grade.clone();
+    film.vertical_fov_degrees = scene.camera.vertical_fov_degrees();
+    if let Some(layers) = &scene.light_layers {
+        film = film.keeping_light_layers(layers.clone())?;
+    }
     if scene.film.keep_ice_paths {
-        let lights = scene.environment.spectra().len() as u32;
-        let greatest = scene.environment.greatest_radiance();
+        let lights = scene.lights.slots().len() as u32;
+        let greatest = scene.lights.greatest_radiance();
         film = film.keeping_ice_paths(IcePathLayout::for_radiance(lights, greatest))?;
     }
     if let Some(counts) = counts {
@@ -191,7 +196,15 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            trace(&self.scene.world, self.settings.level, &mut stream);
+            let Scene { world, camera, search, .. } = self.scene;
+            let level = self.settings.level;
+            match search {
+                None => trace(world, level, &mut stream),
+                Some(search) => {
+                    let seeker = Seeker::new(world, camera, search, level);
+                    trace_seeking(world, level, seeker, &mut stream);
+                }
+            }
             stream.flush();
         });
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -225,6 +238,8 @@ impl<'a> Rendering<'a> {
         }
         let mut picture = Picture::new(self.scene.film.width, self.scene.film.height, crop)?;
         picture.primaries = self.scene.film.primaries;
+        picture.exposure_stops = self.scene.film.exposure_stops;
+        picture.vertical_fov_degrees = self.scene.camera.vertical_fov_degrees();
         for (layer, values) in Layer::COLOUR.into_iter().zip(layers) {
             picture.set_layer(layer, values)?;
         }

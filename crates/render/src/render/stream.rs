@@ -9,7 +9,8 @@ use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
 use crate::description::Sampler;
-use crate::transport::{NewPath, PathEnd, PathResult, PathSource};
+use crate::transport::seek::View;
+use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource};
 use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
 use snowgrain_math::sampler::{PathKey, numbers};
@@ -37,6 +38,8 @@ pub(super) struct Stream<'a, 'film> {
     /// Paths that are prepared, the next one last.
     ready: Vec<NewPath<Tag>>,
     dry: bool,
+    /// Whether rays of the camera may start in ice.
+    may_start_in_ice: bool,
 }
 
 /// A task of which samples are under way.
@@ -71,6 +74,9 @@ pub(super) struct Tag {
     slot: u32,
     x: u32,
     y: u32,
+    /// Place in the image, pixels, and on the lens.
+    image: [f64; 2],
+    lens: [f64; 2],
 }
 
 impl PathSource for Stream<'_, '_> {
@@ -83,14 +89,24 @@ impl PathSource for Stream<'_, '_> {
         self.ready.pop()
     }
 
-    fn finish(&mut self, Tag { slot, x, y }: Tag, path: &PathResult) {
+    fn view(&self, tag: Tag) -> Option<View> {
+        let (image, lens) = (tag.image, tag.lens);
+        Some(View { bundle: self.rendering.scene.camera.bundle(lens), lens, image })
+    }
+
+    fn finish(&mut self, tag: Tag, path: &PathResult) {
+        self.finish_with_light(tag, path, &[]);
+    }
+
+    fn finish_with_light(&mut self, tag: Tag, path: &PathResult, found: &[Contribution]) {
+        let Tag { slot, x, y, .. } = tag;
         if path.end == PathEnd::Enclosed {
             self.rendering.fail(RenderError::Enclosed { x, y });
         }
         let scene = self.rendering.scene;
         let task = &mut self.open[slot as usize];
         task.batch.statistics.count(path);
-        let radiance = task.batch.add_light(scene, (x, y), path);
+        let radiance = task.batch.add_light(scene, (x, y), path, found);
         task.batch.samples.push(((x, y), sample_of(scene, path, radiance)));
         task.under_way -= 1;
         if task.batch.samples.len() == BATCH {
@@ -111,6 +127,7 @@ impl<'a, 'film> Stream<'a, 'film> {
             dealing: None,
             ready: Vec::with_capacity(PREPARED as usize),
             dry: false,
+            may_start_in_ice: rendering.scene.may_start_in_ice(),
         }
     }
 
@@ -136,22 +153,19 @@ impl<'a, 'film> Stream<'a, 'film> {
         let first = dealing.sample;
         dealing.sample = dealing.samples.end.min(first + PREPARED);
         self.open[slot as usize].under_way += (dealing.sample - first) as u32;
+        let (rendering, may_start_in_ice) = (self.rendering, self.may_start_in_ice);
         // Backwards, as they are taken from the end.
         self.ready.extend((first..dealing.sample).rev().map(|sample| {
             let key = PathKey::new(scene.film.seed, stream, sample);
-            let [jitter_x, jitter_y] = match scene.film.sampler {
-                Sampler::Independent => {
-                    let [x, y, _] = numbers(key, 0);
-                    [x, y]
-                }
-                Sampler::Sobol => {
-                    let [x, y, ..] = sobol_numbers(scene.film.seed, stream, sample);
-                    [x, y]
-                }
-            };
-            let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
-            let ray = scene.camera.ray(px, py);
-            NewPath { tag: Tag { slot, x, y }, ray, key, event: 1 }
+            let Start { jitter, lens, event } = Start::of(scene, stream, sample, key);
+            let (px, py) = (f64::from(x) + jitter[0], f64::from(y) + jitter[1]);
+            let ray = scene.camera.ray(px, py, lens);
+            // Such a path would be taken for one in air.
+            if may_start_in_ice && scene.world.grid.is_inside_grain(ray.origin) {
+                rendering.fail(RenderError::CameraInIce { point: ray.origin });
+            }
+            let tag = Tag { slot, x, y, image: [px, py], lens };
+            NewPath { tag, ray, key, event }
         }));
         true
     }
@@ -255,6 +269,35 @@ impl<'a, 'film> Stream<'a, 'film> {
         }
         task.paths += task.batch.samples.len() as u64;
         task.batch.clear();
+    }
+}
+
+/// Where a path begins.
+struct Start {
+    /// Place in its pixel, 0 to 1.
+    jitter: [f64; 2],
+    /// Place on the lens; the middle of one without size.
+    lens: [f64; 2],
+    /// Next event of its random numbers.
+    event: u32,
+}
+
+impl Start {
+    /// Of a sample of a pixel. Of independent numbers, only a lens that has a size takes an event.
+    fn of(scene: &Scene, stream: u64, sample: u64, key: PathKey) -> Self {
+        let has_lens = scene.camera.has_lens();
+        let (jitter, lens, event) = match scene.film.sampler {
+            Sampler::Independent => {
+                let [x, y, _] = numbers(key, 0);
+                let [u, v, _] = if has_lens { numbers(key, 1) } else { [0.5; 3] };
+                ([x, y], [u, v], if has_lens { 2 } else { 1 })
+            }
+            Sampler::Sobol => {
+                let [x, y, u, v] = sobol_numbers(scene.film.seed, stream, sample);
+                ([x, y], if has_lens { [u, v] } else { [0.5; 2] }, 1)
+            }
+        };
+        Self { jitter: jitter.map(f64::from), lens: lens.map(f64::from), event }
     }
 }
 

@@ -44,11 +44,14 @@ impl<'a> TileSums<'a> {
     /// A sample that the film cannot hold; no memory.
     pub(super) fn add(&mut self, pass: u64, batch: &Batch, complete: u64) -> Result<(), FilmError> {
         self.settle(complete)?;
-        let (mut samples, mut ice_paths) = (batch.samples.iter(), batch.ice_paths());
+        let mut ice_paths = batch.ice_paths();
         if pass == 0 {
             self.statistics.add(&batch.statistics);
             let film = &mut self.base;
-            samples.try_for_each(|((x, y), sample)| film.add(*x, *y, sample))?;
+            batch.samples().try_for_each(|((x, y), sample, layers)| {
+                film.add(x, y, sample)?;
+                film.add_light_layers(x, y, sample.radiance, layers)
+            })?;
             return ice_paths.try_for_each(|((x, y), length, weights)| {
                 film.add_ice_path(x, y, length, weights)
             });
@@ -56,7 +59,10 @@ impl<'a> TileSums<'a> {
         let ahead = self.ahead_of(pass)?;
         ahead.statistics.add(&batch.statistics);
         let film = &mut ahead.film;
-        samples.try_for_each(|((x, y), sample)| film.add(*x, *y, sample))?;
+        batch.samples().try_for_each(|((x, y), sample, layers)| {
+            film.add(x, y, sample)?;
+            film.add_light_layers(x, y, sample.radiance, layers)
+        })?;
         ice_paths.try_for_each(|((x, y), length, weights)| film.add_ice_path(x, y, length, weights))
     }
 

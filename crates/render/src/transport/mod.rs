@@ -1,14 +1,19 @@
 //! The exact walk: from a ray to where its light comes from.
 //!
 //! A path reflects or refracts at random at every interface (in `snowgrain_accel::Flight`), bounces
-//! off diffuse objects, and ends when it escapes, when an object absorbs it, or when unbiased
-//! roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
+//! off diffuse objects, and ends when it escapes, when it meets a luminous surface, when an object absorbs
+//! it, or when unbiased roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
 //! its length in ice, from which any absorption follows afterwards (white Monte Carlo).
+//!
+//! Light is found where a path escapes, or is looked for on the way ([`seek`]).
 
+pub mod seek;
 mod walk;
 
 pub use walk::trace;
+pub(crate) use walk::trace_seeking;
 
+use seek::View;
 use snowgrain_accel::STRATA;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
@@ -32,6 +37,17 @@ pub enum PathEnd {
     /// It escaped along this ray, which starts where it last left the box of the grains, bounced, or
     /// began.
     Escaped(Ray),
+    /// It met a luminous surface on the side that shines.
+    Emitted {
+        /// Index of the light.
+        light: usize,
+        /// Where, metres.
+        position: DVec3,
+        /// Unit normal there, on the side of the path.
+        normal: DVec3,
+        /// Unit direction in which the path came.
+        direction: DVec3,
+    },
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
     /// It bounced [`MAX_BOUNCES_WITHOUT_LOSS`] times off objects that absorb nothing: they enclose it,
@@ -76,14 +92,37 @@ pub struct PathResult {
     pub first_hit: Option<FirstHit>,
 }
 
+/// Light that was found along a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contribution {
+    /// Slot of the light.
+    pub slot: usize,
+    /// Whether it is of a small light and came by the first one or two grains that the camera sees.
+    pub glint: bool,
+    /// Product of light and albedos, linear sRGB, before the ice.
+    pub weight: [f32; 3],
+    /// Length in ice, metres.
+    pub ice_length: f64,
+    /// Of it, that in grains of each stratum from 1 on.
+    pub ice_in_strata: [f64; STRATA],
+}
+
 /// Where paths come from and where their results go.
 pub trait PathSource {
     /// What ties a result to its path.
     type Tag: Copy;
     /// The next path, `None` when there are no more.
     fn next_path(&mut self) -> Option<NewPath<Self::Tag>>;
+    /// How a camera sees the start of the path that was just given; `None` where none does.
+    fn view(&self, _: Self::Tag) -> Option<View> {
+        None
+    }
     /// Takes a result; results come in any order.
     fn finish(&mut self, tag: Self::Tag, result: &PathResult);
+    /// Takes a result where light was looked for, and what was found.
+    fn finish_with_light(&mut self, tag: Self::Tag, result: &PathResult, _: &[Contribution]) {
+        self.finish(tag, result);
+    }
 }
 
 /// Diffuse bounces after which a path whose throughput roulette still leaves alone counts as enclosed.

@@ -1,12 +1,13 @@
 //! Drives a [`Flight`]: fills its lanes from a source and answers its events.
 
+use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
     FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
     ROULETTE_THRESHOLD,
 };
 use crate::World;
 use snowgrain_accel::flight::LANES;
-use snowgrain_accel::{Flight, FlightEvent, SimdLevel, SurfaceHit, SurfaceId};
+use snowgrain_accel::{Flight, FlightEvent, GrainVisit, SimdLevel, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame};
 
@@ -22,22 +23,43 @@ struct Walker<Tag> {
     first_hit: Option<FirstHit>,
 }
 
-/// Traces every path of `source` through `world`.
+/// Traces every path of `source` through `world`; light is found where a path escapes.
 pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut Source) {
-    let mut walk = Walk {
-        world,
-        flight: Flight::new(&world.grid, &world.surfaces, world.eta, level),
-        walkers: [None; LANES],
-        in_use: LANES,
-    };
+    walk(world, level, None, source);
+}
+
+/// As [`trace`]; light is looked for on the way. The seeker is given back.
+pub(crate) fn trace_seeking<'a, Source: PathSource>(
+    world: &'a World,
+    level: SimdLevel,
+    seeker: Seeker<'a>,
+    source: &mut Source,
+) -> Seeker<'a> {
+    let search =
+        Search { seeker, trails: std::array::from_fn(|_| Trail::default()), visits: Vec::new() };
+    let search = walk(world, level, Some(search), source);
+    search.expect("a search that is begun is given back").seeker
+}
+
+fn walk<'a, Source: PathSource>(
+    world: &'a World,
+    level: SimdLevel,
+    search: Option<Search<'a>>,
+    source: &mut Source,
+) -> Option<Search<'a>> {
+    let mut flight = Flight::new(&world.grid, &world.surfaces, world.eta, level);
+    if search.is_some() {
+        flight.note_visits();
+    }
+    let mut walk = Walk { world, flight, walkers: [None; LANES], search, in_use: LANES };
     for lane in 0..LANES {
         walk.refill(lane, source);
     }
     let mut events = Vec::with_capacity(LANES);
     loop {
         walk.flight.advance(&mut events);
-        if events.is_empty() {
-            return;
+        if !walk.look_for_light() && events.is_empty() {
+            return walk.search;
         }
         for (lane, event) in events.drain(..) {
             walk.answer(lane, event, source);
@@ -50,14 +72,40 @@ struct Walk<'a, Tag> {
     world: &'a World,
     flight: Flight<'a>,
     walkers: [Option<Walker<Tag>>; LANES],
+    search: Option<Search<'a>>,
     /// All paths are in the first lanes.
     in_use: usize,
 }
 
+/// Where light is looked for.
+struct Search<'a> {
+    seeker: Seeker<'a>,
+    /// Of each lane.
+    trails: [Trail; LANES],
+    visits: Vec<GrainVisit>,
+}
+
 impl<Tag: Copy> Walk<'_, Tag> {
+    /// Looks for light where paths have arrived since the last time; whether any has.
+    fn look_for_light(&mut self) -> bool {
+        let Some(Search { seeker, trails, visits }) = &mut self.search else { return false };
+        self.flight.take_visits(visits);
+        let any = !visits.is_empty();
+        let walkers = &self.walkers;
+        seeker.at_grains(visits, trails, |lane| {
+            let walker = walkers[lane].as_ref().expect("a lane that arrives has a walker");
+            PathState { key: walker.key, throughput: walker.throughput }
+        });
+        visits.clear();
+        any
+    }
+
     /// Starts paths in `lane` until one is under way in the grid or the source is dry.
     fn refill<Source: PathSource<Tag = Tag>>(&mut self, lane: usize, source: &mut Source) {
         while let Some(NewPath { tag, ray, key, event }) = source.next_path() {
+            if let Some(search) = &mut self.search {
+                search.trails[lane].begin(source.view(tag));
+            }
             self.walkers[lane] = Some(Walker {
                 tag,
                 key,
@@ -89,6 +137,9 @@ impl<Tag: Copy> Walk<'_, Tag> {
             if self.walkers[lane].is_none() {
                 let last = self.in_use - 1;
                 self.walkers[lane] = self.walkers[last].take();
+                if let Some(search) = &mut self.search {
+                    search.trails.swap(lane, last);
+                }
                 self.flight.relocate(last, lane);
             }
         }
@@ -110,16 +161,14 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 let ray = self.flight.ray(lane);
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
             }
-            FlightEvent::Surface(hit) => {
-                match self.scatter(lane, &hit, self.flight.ray(lane).origin) {
-                    Err(end) => Some(end),
-                    Ok(ray) => {
-                        let event = self.flight.travelled(lane).event;
-                        self.flight.bounce(lane, ray.direction, hit.id, event);
-                        None
-                    }
+            FlightEvent::Surface(hit) => match self.scatter(lane, &hit, self.flight.ray(lane)) {
+                Err(end) => Some(end),
+                Ok(ray) => {
+                    let event = self.flight.travelled(lane).event;
+                    self.flight.bounce(lane, ray.direction, hit.id, event);
+                    None
                 }
-            }
+            },
         };
         if let Some(end) = end {
             self.finish(lane, end, source);
@@ -156,7 +205,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
                     return None;
                 }
                 (Some(hit), _) => {
-                    match self.scatter(lane, &hit, ray.at(hit.t)) {
+                    let arrival = Ray::new(ray.at(hit.t), ray.direction);
+                    match self.scatter(lane, &hit, arrival) {
                         Err(end) => return Some(end),
                         Ok(next) => ray = next,
                     }
@@ -181,13 +231,35 @@ impl<Tag: Copy> Walk<'_, Tag> {
         self.flight.release(lane, direction, event + 1);
     }
 
-    /// A diffuse bounce at `position`: the next ray, or how the path ends.
-    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3) -> Result<Ray, PathEnd> {
-        let event = self.flight.travelled(lane).event;
+    /// What a surface does to a path that arrives: the next ray, or how the path ends.
+    fn scatter(&mut self, lane: usize, hit: &SurfaceHit, arrival: Ray) -> Result<Ray, PathEnd> {
+        let position = arrival.origin;
         let visits = self.flight.travelled(lane).grain_visits;
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
-        let albedo = self.world.albedos[hit.id.object as usize];
-        if visits == 0 && walker.surface_bounces == 0 {
+        let is_first = visits == 0 && walker.surface_bounces == 0;
+        let object = hit.id.object as usize;
+        if let Some(Some(emitter)) = self.world.emitters.get(object) {
+            if is_first && !emitter.visible_to_camera {
+                return Ok(arrival);
+            }
+            if is_first {
+                walker.first_hit =
+                    Some(FirstHit { position, normal: hit.normal, albedo: [0.0; 3] });
+            }
+            return Err(if emitter.shines_towards(hit.normal) {
+                PathEnd::Emitted {
+                    light: emitter.light,
+                    position,
+                    normal: hit.normal,
+                    direction: arrival.direction,
+                }
+            } else {
+                PathEnd::Absorbed
+            });
+        }
+        let event = self.flight.travelled(lane).event;
+        let albedo = self.world.albedos[object];
+        if is_first {
             walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });
         }
         walker.surface_bounces += 1;
@@ -196,6 +268,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
         for (throughput, albedo) in walker.throughput.iter_mut().zip(albedo) {
             *throughput *= albedo;
         }
+        self.look_at_surface(lane, hit, position, event);
+        let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
         let [r, g, b] = walker.throughput;
         let largest = r.max(g).max(b);
         if largest < ROULETTE_THRESHOLD {
@@ -210,6 +284,26 @@ impl<Tag: Copy> Walk<'_, Tag> {
         }
         let direction = frame::cosine_hemisphere(hit.normal, [f64::from(u1), f64::from(u2)]);
         Ok(Ray::new(position, direction))
+    }
+
+    /// Looks for light at a surface, where light is looked for.
+    fn look_at_surface(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3, event: u32) {
+        let Some(Search { seeker, trails, .. }) = &mut self.search else { return };
+        let walker = self.walkers[lane].as_ref().expect("a lane with an event has a walker");
+        let travelled = self.flight.travelled(lane);
+        let bounce = Bounce {
+            lane,
+            position,
+            normal: hit.normal,
+            surface: hit.id,
+            in_ice: self.flight.is_in_ice(lane),
+            event,
+            grain_visits: travelled.grain_visits,
+            ice_length: travelled.ice_length,
+            ice_in_strata: self.flight.ice_in_strata(lane),
+        };
+        let state = PathState { key: walker.key, throughput: walker.throughput };
+        seeker.at_surface(&bounce, trails, &state);
     }
 
     fn finish<Source: PathSource<Tag = Tag>>(
@@ -227,23 +321,34 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 albedo: [1.0; 3],
             })
         });
-        source.finish(
-            walker.tag,
-            &PathResult {
-                end,
-                throughput: walker.throughput,
-                ice_length: travelled.ice_length,
-                ice_in_strata: self.flight.ice_in_strata(lane),
-                air_length: travelled.air_length,
-                grain_visits: travelled.grain_visits,
-                interface_events: travelled.event
-                    - walker.start_event
-                    - walker.surface_bounces
-                    - walker.releases,
-                surface_bounces: walker.surface_bounces,
-                releases: walker.releases,
-                first_hit,
-            },
-        );
+        let interface_events =
+            travelled.event - walker.start_event - walker.surface_bounces - walker.releases;
+        let result = PathResult {
+            end,
+            throughput: walker.throughput,
+            ice_length: travelled.ice_length,
+            ice_in_strata: self.flight.ice_in_strata(lane),
+            air_length: travelled.air_length,
+            grain_visits: travelled.grain_visits,
+            interface_events,
+            surface_bounces: walker.surface_bounces,
+            releases: walker.releases,
+            first_hit,
+        };
+        let Some(Search { seeker, trails, .. }) = &mut self.search else {
+            return source.finish(walker.tag, &result);
+        };
+        let trail = &mut trails[lane];
+        let met = match end {
+            PathEnd::Escaped(ray) => Some(Met::Infinity(ray.direction)),
+            PathEnd::Emitted { light, position, normal, direction } => {
+                Some(Met::Surface { light, position, normal, direction })
+            }
+            PathEnd::Absorbed | PathEnd::Enclosed => None,
+        };
+        if let Some(met) = met {
+            seeker.at_end(trail, met, &result);
+        }
+        source.finish_with_light(walker.tag, &result, &trail.contributions);
     }
 }

@@ -65,7 +65,13 @@ pub(super) struct MeasuredSnow {
 }
 
 fn world(grid: GrainGrid, ior: f64) -> World {
-    World { grid, surfaces: Surfaces::default(), albedos: Vec::new(), eta: ior }
+    World {
+        grid,
+        surfaces: Surfaces::default(),
+        albedos: Vec::new(),
+        emitters: Vec::new(),
+        eta: ior,
+    }
 }
 
 /// A crystal of touching grains; periodic along x and z where it is a slab.

@@ -5,17 +5,19 @@
 //! one group of 16 is worked on, the cells and blocks of the other groups arrive from memory.
 
 mod paths;
+mod probe;
 mod round;
 mod surface;
 mod test;
 mod update;
 
 use super::sphere::Ice;
-use super::{FirstGrain, FlightEvent, LANES, MAX_TURNS_IN_ICE, Travelled};
+use super::{FirstGrain, FlightEvent, GrainVisit, LANES, MAX_TURNS_IN_ICE, Travelled};
 use crate::grain_grid::GridPosition;
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use fearless_simd::{Level, dispatch};
 use paths::{FirstGrains, GROUPS, Group, get, place_of, set};
+pub use probe::{Probe, ProbeAnswer, Probes};
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 use update::CellShape;
@@ -43,6 +45,8 @@ pub(super) struct BlockFlight<'a> {
     /// The piece of surface that a path left.
     left: Box<[Option<Departure>; LANES]>,
     events: Vec<(usize, FlightEvent)>,
+    /// Arrivals at grains that the caller has not seen; `None` where it does not want them.
+    visits: Option<Vec<GrainVisit>>,
     /// Groups that are looked at: all paths in flight are in the first ones.
     groups_in_use: usize,
 }
@@ -58,6 +62,7 @@ impl<'a> BlockFlight<'a> {
             first: Box::default(),
             left: Box::new([None; LANES]),
             events: Vec::with_capacity(LANES),
+            visits: None,
             groups_in_use: GROUPS,
         }
     }
@@ -156,6 +161,18 @@ impl<'a> BlockFlight<'a> {
         events.append(&mut self.events);
     }
 
+    /// Notes arrivals at grains from now on.
+    pub(super) fn note_visits(&mut self) {
+        self.visits.get_or_insert_default();
+    }
+
+    /// Moves the arrivals since the last call to `visits`, in the order of each path.
+    pub(super) fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
+        if let Some(noted) = &mut self.visits {
+            visits.append(noted);
+        }
+    }
+
     pub(super) fn place(&self, lane: usize) -> GridPosition {
         let (group, at) = self.lane(lane);
         group.place(at)
@@ -203,6 +220,12 @@ impl<'a> BlockFlight<'a> {
                 normal: DVec3::from_array(get(&first.normal, at).map(f64::from)).normalize(),
             }
         })
+    }
+
+    /// Whether the path of `lane` has met interfaces since it was last in air.
+    pub(super) fn is_in_ice(&self, lane: usize) -> bool {
+        let (group, at) = self.lane(lane);
+        group.turns[at] > 0
     }
 
     pub(super) fn excluded(&self, lane: usize) -> Option<SurfaceId> {

@@ -3,8 +3,9 @@
 
 use super::paths::{GROUP, place_of};
 use super::test::test_group;
-use super::update::{step_group, update_group};
+use super::update::{Notes, step_group, update_group};
 use super::{BlockFlight, FlightEvent, MAX_TURNS_IN_ICE};
+use crate::flight::visit::VISITS_AT_ONCE;
 use crate::grain_grid::{MEETS_SURFACE, Storage, within_brick};
 use fearless_simd::Simd;
 
@@ -18,21 +19,26 @@ const LEAST_STEPPING: u32 = 11;
 pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
     let groups = flight.groups_in_use;
     let has_surfaces = !flight.surfaces.is_empty();
-    while flight.events.is_empty() && flight.groups[..groups].iter().any(|g| g.flying() != 0) {
+    while !flight.has_news() && flight.groups[..groups].iter().any(|g| g.flying() != 0) {
         for index in 0..groups {
             let group = &mut flight.groups[index];
             test_group(simd, (flight.grid.blocks(), flight.grid.strata()), group);
             if has_surfaces {
                 flight.meet_surfaces_in_air(index);
             }
-            let (group, first) = (&mut flight.groups[index], &mut flight.first[index]);
+            let group = &mut flight.groups[index];
             let waiting = (group.waiting | group.inside).count_ones();
             let stepping = (group.air & !group.waiting).count_ones();
             let rare = if waiting < FEWER_WAITING && stepping >= LEAST_STEPPING {
                 step_group(simd, &flight.shape, group)
             } else {
                 let strata = !flight.grid.strata().is_empty();
-                update_group(simd, &flight.shape, (flight.ice, strata), group, first)
+                let notes = Notes {
+                    first: &mut flight.first[index],
+                    visits: flight.visits.as_mut(),
+                    first_lane: index * GROUP,
+                };
+                update_group(simd, &flight.shape, (flight.ice, strata), group, notes)
             };
             if has_surfaces {
                 flight.forget_departures(index);
@@ -48,9 +54,16 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
 }
 
 impl BlockFlight<'_> {
+    /// Whether there is something for the caller.
+    #[inline(always)]
+    fn has_news(&self) -> bool {
+        let noted = self.visits.as_ref().map_or(0, Vec::len);
+        !self.events.is_empty() || noted >= VISITS_AT_ONCE
+    }
+
     /// Asks for what the cells of a group's paths hold.
     #[inline(always)]
-    fn prefetch_entries(&self, group: usize) {
+    pub(super) fn prefetch_entries(&self, group: usize) {
         let Storage::Packed(cells) = self.grid.storage() else { return };
         let group = &self.groups[group];
         let mut lanes = (group.air | group.ice) & !group.waiting;
@@ -63,7 +76,7 @@ impl BlockFlight<'_> {
 
     /// Looks it up, and asks for the blocks.
     #[inline(always)]
-    fn fetch_entries(&mut self, group: usize) {
+    pub(super) fn fetch_entries(&mut self, group: usize) {
         let grid = self.grid;
         let group = &mut self.groups[group];
         let mut lanes = (group.air | group.ice) & !group.waiting;
@@ -95,7 +108,7 @@ impl BlockFlight<'_> {
 
     /// Looks at paths that may have met a surface inside their grain, left the grid, or been trapped.
     #[inline(always)]
-    fn look_closer(&mut self, group: usize, mut rare: u32) {
+    pub(super) fn look_closer(&mut self, group: usize, mut rare: u32) {
         while rare != 0 {
             let at = rare.trailing_zeros() as usize & (GROUP - 1);
             rare &= rare - 1;

@@ -6,7 +6,10 @@ use crate::flight::MAX_TURNS_IN_ICE;
 use crate::flight::random::NEXT_EVENT;
 use crate::flight::sphere::{Angles, Ice, Transmittance};
 use crate::flight::vector::{F, M, Vector, W};
-use crate::grain_grid::{CellEntry, GrainGrid, MEETS_SURFACE, OVERLAPS, RADIUS_MASK, Storage};
+use crate::flight::visit::{ArrivalFrom, GrainVisit};
+use crate::grain_grid::{
+    CellEntry, GrainGrid, GridPosition, MEETS_SURFACE, OVERLAPS, RADIUS_MASK, Storage,
+};
 use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, mask32x16, u16x16};
@@ -132,15 +135,25 @@ fn members<S: Simd>(simd: S, set: u32) -> M<S> {
     mask32x16::from_bitmask(simd, u64::from(set))
 }
 
-/// Applies the answers of the block tests, where grains have `strata` to those too; the set of paths that need a closer look: they may have
-/// left the grid, met a surface within their grain, or be trapped.
+/// What an update keeps of paths beside their state.
+pub(super) struct Notes<'a> {
+    /// First grains of the paths of the group.
+    pub(super) first: &'a mut FirstGrains,
+    /// Arrivals at grains, where they are wanted, and the lane of the first path of the group.
+    pub(super) visits: Option<&'a mut Vec<GrainVisit>>,
+    pub(super) first_lane: usize,
+}
+
+/// Applies the answers of the block tests, where grains have `strata` to those too; the set of paths
+/// that need a closer look: they may have left the grid, met a surface within their grain, or be
+/// trapped.
 #[inline(always)]
 pub(super) fn update_group<S: Simd>(
     simd: S,
     shape: &CellShape,
     (ice, strata): (Ice, bool),
     group: &mut Group,
-    first: &mut FirstGrains,
+    Notes { first, visits: noted, first_lane }: Notes<'_>,
 ) -> u32 {
     let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));
     let eta = F::<S>::splat(simd, ice.eta);
@@ -182,6 +195,10 @@ pub(super) fn update_group<S: Simd>(
     let end = in_ice & !exists;
     let at_grain = end | inside;
     let at_interface = hit | at_grain;
+    if let Some(noted) = noted {
+        let arrivals = [hit, go_on].map(|mask| mask.to_bitmask() as u32);
+        note_arrivals(group, noted, first_lane, arrivals);
+    }
 
     // 3. The outward normal there. Everything that other paths get is 0, so that no garbage spreads.
     let grain = Vector::load(simd, &group.grain, 0);
@@ -307,6 +324,51 @@ pub(super) fn step_group<S: Simd>(simd: S, shape: &CellShape, group: &mut Group)
     (step & outside).to_bitmask() as u32
 }
 
+/// What became of the probes of a group: bits of their lanes.
+pub(super) struct ProbedSets {
+    /// Met the grain that was found.
+    pub(super) met: u32,
+    /// Began within another grain than their own.
+    pub(super) covered: u32,
+    /// Have reached their length.
+    pub(super) ended: u32,
+    /// Perhaps beyond the grid.
+    pub(super) beyond: u32,
+}
+
+/// Applies the answers of the block tests to straight rays, whose length stands where paths keep their
+/// chord. Those that are at the end of a chord have asked whether another grain covers their start.
+#[inline(always)]
+pub(super) fn probe_group<S: Simd>(simd: S, shape: &CellShape, group: &mut Group) -> ProbedSets {
+    let position = Vector::load(simd, &group.position, 0);
+    let direction = Vector::load(simd, &group.direction, 0);
+    let exit = Exit::of(simd, shape, group, position, direction);
+    let found = F::<S>::from_slice(simd, &group.found);
+    let exists = found.simd_lt(F::<S>::splat(simd, NOTHING));
+    let travelled = F::<S>::from_slice(simd, &group.air_length);
+    let to_go = F::<S>::from_slice(simd, &group.chord) - travelled;
+    let (air, starts) = (members(simd, group.air), members(simd, group.ice));
+    let reach = exit.distance + F::<S>::splat(simd, EXIT_TOLERANCE);
+    let hit = air & exists & found.simd_le(reach);
+    let met = hit & found.simd_lt(to_go);
+    let ended = (hit & !met) | (air & !hit & exit.distance.simd_ge(to_go));
+    let step = air & !hit & !ended;
+    let distance = step.select(exit.distance, F::<S>::splat(simd, 0.0));
+    // Where a grain was met, its distance is told from where the probe now stands.
+    (travelled + distance).store_slice(&mut group.air_length);
+    let new_position = position.plus(direction, distance);
+    let outside = move_group(simd, shape, group, &exit, [step, step], new_position);
+    let covered = starts & exists;
+    group.air = (step | (starts & !exists)).to_bitmask() as u32;
+    group.ice = 0;
+    ProbedSets {
+        met: met.to_bitmask() as u32,
+        covered: covered.to_bitmask() as u32,
+        ended: ended.to_bitmask() as u32,
+        beyond: (step & outside).to_bitmask() as u32,
+    }
+}
+
 /// Writes back where the paths `moves` are now, of which `step` crossed a face: their cell, place and
 /// grain; which of them are beyond the grid.
 #[inline(always)]
@@ -388,6 +450,41 @@ fn clamp01<S: Simd>(simd: S, v: F<S>) -> F<S> {
     let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));
     let v = v.simd_gt(zero).select(v, zero);
     v.simd_lt(one).select(v, one)
+}
+
+/// Notes arrivals at the grains that were found, of the paths in each set, from air and from ice.
+#[inline(never)]
+fn note_arrivals(
+    group: &Group,
+    noted: &mut Vec<GrainVisit>,
+    first_lane: usize,
+    [from_air, from_ice]: [u32; 2],
+) {
+    let mut which = from_air | from_ice;
+    while which != 0 {
+        let at = which.trailing_zeros() as usize & (GROUP - 1);
+        which &= which - 1;
+        let arrives = from_air >> at & 1;
+        let (position, direction) = (get(&group.position, at), get(&group.direction, at));
+        let center = get(&group.found_grain, at).map(f32::from);
+        let along = |axis: usize| (center[axis] - position[axis]) * direction[axis];
+        let bits = group.found_radius[at];
+        noted.push(GrainVisit {
+            lane: first_lane + at,
+            from: if arrives == 1 { ArrivalFrom::Air } else { ArrivalFrom::Ice },
+            center: GridPosition { cell: get(&group.cell, at), local: center },
+            radius: f32::from(bits & RADIUS_MASK),
+            overlaps: bits & OVERLAPS != 0,
+            meets_surface: bits & MEETS_SURFACE != 0,
+            to_middle: along(0) + along(1) + along(2),
+            direction,
+            grain_visits: group.visits[at] + arrives,
+            ice_length: group.ice_length[at],
+            ice_in_strata: group.ice_in_strata.map(|lengths| lengths[at]),
+            stratum: group.found_stratum[at],
+            event: group.event(at),
+        });
+    }
 }
 
 /// Keeps the first grain of the paths `which`.

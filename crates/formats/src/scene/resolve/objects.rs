@@ -4,32 +4,36 @@ use super::super::SceneError;
 use super::super::document::{InstanceTable, ObjectTable, ShapeKind};
 use super::super::quantity::{Length, Triple};
 use super::checks::{Checks, LARGEST, SMALLEST};
-use super::{Meshes, ReadMesh};
+use super::{Meshes, ReadMesh, lights};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, trig};
-use snowgrain_render::description::{ObjectDescription, ObjectShape};
+use snowgrain_render::description::{LightDescription, ObjectDescription, ObjectShape};
 use std::path::Path;
 use std::sync::Arc;
 
+/// The objects after those of a shot, and the lights that are objects.
 pub(super) fn objects(
     checks: &Checks<'_>,
+    mut objects: Vec<ObjectDescription>,
     read_mesh: &mut ReadMesh<'_>,
-) -> Result<Vec<ObjectDescription>, SceneError> {
+) -> Result<(Vec<ObjectDescription>, Vec<LightDescription>), SceneError> {
     let mut meshes = Meshes::new();
-    let mut objects = Vec::new();
+    let mut lamps = Vec::new();
     for (i, table) in checks.document().object.iter().enumerate() {
         let path = format!("object.{i}");
         let (object, bounds) = object(checks, &path, table, &mut meshes, read_mesh)?;
+        let first = objects.len();
         if let Some(places) = &table.instances {
             objects.extend(instances(checks, &path, places, &object, &bounds)?);
-            continue;
+        } else {
+            if matches!(object.shape, ObjectShape::Mesh(_)) {
+                check_reach(checks, &format!("{path}.scale"), &bounds, &object.transform)?;
+            }
+            objects.push(object);
         }
-        if matches!(object.shape, ObjectShape::Mesh(_)) {
-            check_reach(checks, &format!("{path}.scale"), &bounds, &object.transform)?;
-        }
-        objects.push(object);
+        lamps.extend(lights::of_objects(checks, i, first..objects.len())?);
     }
-    Ok(objects)
+    Ok((objects, lamps))
 }
 
 /// The object in each of its places.
@@ -134,7 +138,7 @@ fn mesh(
 
 /// A mesh may hold any finite vertex, and places may add up; in the world all must stay within
 /// reach.
-fn check_reach(
+pub(super) fn check_reach(
     checks: &Checks<'_>,
     key: &str,
     bounds: &Aabb,
@@ -151,13 +155,13 @@ fn check_reach(
 }
 
 /// How something is moved: scaled, then rotated, then translated.
-struct Placement {
-    scale: Triple,
-    rotate: [f64; 3],
-    translate: [Length; 3],
+pub(super) struct Placement {
+    pub(super) scale: Triple,
+    pub(super) rotate: [f64; 3],
+    pub(super) translate: [Length; 3],
 }
 
-fn transform(
+pub(super) fn transform(
     checks: &Checks<'_>,
     path: &str,
     placement: &Placement,

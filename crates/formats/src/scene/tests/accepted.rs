@@ -11,7 +11,8 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
 };
 use snowgrain_render::description::{
-    IceDescription, LightDescription, ObjectShape, Sampler, SceneDescription, SnowDescription,
+    Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection, Sampler,
+    SceneDescription, SnowDescription,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -32,21 +33,14 @@ fn deposit(scene: &SceneDescription) -> &DepositSettings {
 fn defaults_are_those_of_the_manual() {
     let scene = read(LEAST, &[]).unwrap();
     assert_eq!((scene.film.width, scene.film.height, scene.film.samples_per_pixel), (512, 512, 64));
-    assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
+    assert_eq!(scene.camera.projection, Projection::pinhole(40.0));
     assert_eq!(scene.camera.backdrop, [0.0; 3]);
     assert_eq!(scene.ice.ior, 1.31);
     assert_eq!(scene.ice.absorption, Absorption::Measured(IceAbsorption::Picard2016));
     assert!(scene.ice.impurities.is_empty());
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::Srgb, false));
     assert_eq!(scene.film.sampler, Sampler::Independent);
-    assert_eq!(
-        scene.lights,
-        [LightDescription::Sky {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
-            visible_to_camera: true
-        }]
-    );
+    assert_eq!(scene.lights, [LightDescription::new(LightKind::Sky, [1.0; 3])]);
     assert_eq!(scene.objects[0].name, "object.0");
     assert_eq!(scene.objects[0].albedo, [0.5; 3]);
     let expected = DepositSettings {
@@ -82,7 +76,7 @@ fn colours_of_ice_light_and_film_arrive() {
         Impurity { kind: ImpurityKind::SnowAlgae, load: Load::CellsPerKilogram(1e7) },
     ];
     assert_eq!(scene.ice.impurities, expected);
-    assert_eq!(scene.lights[0].spectrum(), Illuminant::EqualEnergy);
+    assert_eq!(scene.lights[0].spectrum, Illuminant::EqualEnergy);
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::AcesCg, true));
     assert_eq!(scene.film.sampler, Sampler::Sobol);
     assert_eq!(read(LEAST, &["ice.absorption=2"]).unwrap().ice.absorption, Absorption::Grey(2.0));
@@ -155,14 +149,7 @@ fn overrides_change_and_add_values() {
     assert_eq!(scene.film.width, 65);
     assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
     assert_eq!(scene.objects[0].name, "a ball");
-    assert_eq!(
-        scene.lights,
-        [LightDescription::Uniform {
-            radiance: [1.0, 2.0, 3.0],
-            spectrum: Illuminant::D65,
-            visible_to_camera: true
-        }]
-    );
+    assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0, 2.0, 3.0])]);
 }
 
 #[test]
@@ -192,7 +179,13 @@ fn meshes_are_read_once_relative_to_the_scene() {
         Ok(triangle())
     };
     let mut no_grains = |_: &Path| Err(LoadError::from("none"));
-    let scene = resolve(&file, Loader { mesh: &mut read_mesh, grains: &mut no_grains }).unwrap();
+    let loader = Loader {
+        mesh: &mut read_mesh,
+        grains: &mut no_grains,
+        environment: &mut |_| Err("nor a map".into()),
+        import: &mut |_| Err("nor a shot".into()),
+    };
+    let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
     assert_eq!(scene.objects[0].name, "model.obj");
     assert_eq!(scene.objects[1].name, "again");
@@ -254,8 +247,79 @@ fn cubes_are_seen_by_the_camera_of_the_benchmark() {
         let from = center + DVec3::new(1.0, 0.9, 0.8).normalize() * (2.6 * side);
         assert!((scene.camera.at - center).length() < 1e-12 * side);
         assert!((scene.camera.from - from).length() < 1e-12 * side);
-        assert_eq!(scene.camera.vertical_fov_degrees, 40.0);
+        assert_eq!(scene.camera.projection, Projection::pinhole(40.0));
     }
+}
+
+#[test]
+fn a_shot_gives_its_objects_and_its_camera() {
+    let text = "version = 1\n[import]\nfile = \"shot.glb\"\nscale = 2\ntranslate = [1, 0, 0]\n\
+                [[light]]\nkind = \"sky\"\n";
+    let scene = read(text, &[]).unwrap();
+    let [low, high] = &scene.objects[..] else { panic!("{:?}", scene.objects) };
+    let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&low.shape, &high.shape) else { panic!() };
+    assert!(Arc::ptr_eq(a, b), "a mesh is held once");
+    assert_eq!((high.name.as_str(), high.albedo), ("at 0.5", [0.2, 0.3, 0.4]));
+    assert_eq!(high.transform.transform_point3(DVec3::X), DVec3::new(3.0, 1.0, 0.0));
+    assert_eq!(scene.camera.from, DVec3::new(1.0, 0.0, 4.0));
+    assert_eq!(scene.camera.at - scene.camera.from, DVec3::Z * -2.0);
+    assert_eq!(scene.camera.projection, Projection::pinhole(30.0));
+    let plan = read(text, &["import.camera=plan"]).unwrap();
+    assert_eq!(plan.camera.projection, Projection::Orthographic { height: 6.0 });
+    let both = read(&LEAST.replace("[[light]]", "[import]\nfile=\"shot.glb\"\n[[light]]"), &[]);
+    let both = both.unwrap();
+    assert_eq!(both.objects.len(), 3, "the shot's and those of the scene");
+    assert_eq!(both.camera.from, DVec3::new(0.0, 1.0, 3.0), "[camera] goes first");
+}
+
+/// The camera of [`LEAST`] stands sqrt(10) m from where it looks.
+#[test]
+fn lenses_and_parallel_rays_are_what_the_manual_says() {
+    let projection = |changes: &[&str]| read(LEAST, changes).unwrap().camera.projection;
+    let lens = |changes: &[&str]| match projection(changes) {
+        Projection::Perspective { lens: Some(lens), .. } => lens,
+        other => panic!("{other:?}"),
+    };
+    let round = lens(&["camera.aperture=2mm"]);
+    let Focus::Distance(distance) = round.focus else { panic!("{round:?}") };
+    assert!((distance - 10f64.sqrt()).abs() < 1e-15);
+    let focus = Focus::Distance(distance);
+    let expected = Lens { diameter: 0.002, focus, blades: 0, blade_rotation_degrees: 0.0 };
+    assert_eq!(round, expected);
+    let bladed = [
+        "camera.aperture=2mm",
+        "camera.focus=30cm",
+        "camera.blades=7",
+        "camera.blade_rotation=-12.5",
+    ];
+    let expected = Lens {
+        diameter: 0.002,
+        focus: Focus::Distance(0.3),
+        blades: 7,
+        blade_rotation_degrees: -12.5,
+    };
+    assert_eq!(lens(&bladed), expected);
+    // Half way: the plane through a point, wherever in it the point lies.
+    let beside = lens(&["camera.aperture=2mm", "camera.focus=[5, 0.5, 1.5]"]);
+    assert!(matches!(beside.focus, Focus::Distance(distance)
+        if (distance - 10f64.sqrt() / 2.0).abs() < 1e-12));
+    assert_eq!(lens(&["camera.aperture=2mm", "camera.focus=surface"]).focus, Focus::Surface);
+    // 53.13 degrees: the sensor is as high as the lens is long.
+    let normal = ["camera.vertical_fov=53.13010235415598", "camera.f_number=2.4"];
+    assert!((lens(&normal).diameter - 0.01).abs() < 1e-15);
+    let small = [normal[0], normal[1], "camera.sensor_height=\"12 mm\""];
+    assert!((lens(&small).diameter - 0.005).abs() < 1e-15);
+    let parallel = projection(&["camera.kind=orthographic", "camera.height=10cm"]);
+    assert_eq!(parallel, Projection::Orthographic { height: 0.1 });
+}
+
+#[test]
+fn an_exposure_value_shows_the_luminance_that_saturates_as_white() {
+    let stops = |ev100: &str| read(LEAST, &[ev100]).unwrap().film.exposure_stops;
+    assert_eq!(read(LEAST, &[]).unwrap().film.exposure_stops, 0.0);
+    let gain = |ev100| snowgrain_math::trig::pow(2.0, stops(ev100));
+    assert!((1.2 * 32_768.0 * gain("camera.ev100=15") - 1.0).abs() < 1e-12);
+    assert!((1.2 / 8.0 * gain("camera.ev100=-3.0") - 1.0).abs() < 1e-12);
 }
 
 /// The object's extremes and 3 cm of snow on its top lie in the picture.
@@ -284,14 +348,7 @@ fn snowy_objects_fit_into_their_pictures() {
 #[test]
 fn a_furnace_has_white_walls_and_one_uniform_light() {
     let scene = furnace(builtin("snowy-teapot"));
-    assert_eq!(
-        scene.lights,
-        [LightDescription::Uniform {
-            radiance: [1.0; 3],
-            spectrum: Illuminant::D65,
-            visible_to_camera: true
-        }]
-    );
+    assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0; 3])]);
     assert_eq!(scene.objects[0].albedo, [1.0; 3]);
     assert_eq!(scene.camera.backdrop, [1.0; 3]);
     assert_eq!(scene.ice, IceDescription::clear(scene.ice.ior));
@@ -330,7 +387,10 @@ fn in_picture(scene: &SceneDescription, point: DVec3) -> [f64; 2] {
     let gaze = (camera.at - camera.from).normalize();
     let right = gaze.cross(camera.up).normalize();
     let offset = point - camera.from;
-    let half = (camera.vertical_fov_degrees * 0.5).to_radians();
+    let Projection::Perspective { vertical_fov_degrees, lens: None } = camera.projection else {
+        panic!("a pinhole")
+    };
+    let half = (vertical_fov_degrees * 0.5).to_radians();
     let reach = gaze.dot(offset) * snowgrain_math::trig::tan(half);
     [right.dot(offset) / reach, right.cross(gaze).dot(offset) / reach]
 }

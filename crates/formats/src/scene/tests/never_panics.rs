@@ -45,7 +45,8 @@ proptest! {
         value in prop_oneof![any::<f64>().prop_map(|v| format!("{v:?}")), any::<i64>().prop_map(|v| v.to_string())],
         key in prop::sample::select(vec![
             "film.width", "film.samples_per_pixel", "film.seed", "camera.from.0", "camera.at.1",
-            "camera.up.2", "camera.vertical_fov", "camera.backdrop", "ice.ior", "ice.absorption",
+            "camera.up.2", "camera.vertical_fov", "camera.backdrop", "camera.aperture",
+            "camera.f_number", "camera.blades", "ice.ior", "ice.absorption",
             "light.radiance", "object.scale", "object.rotate.0", "object.translate.2",
             "object.albedo", "snow.grains", "snow.radius", "snow.variation", "snow.density",
             "snow.max_slope", "snow.direction.0", "snow.area.0", "snow.seed", "version",

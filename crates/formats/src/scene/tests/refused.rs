@@ -296,7 +296,52 @@ fn films_and_cameras_are_checked() {
     assert!(set("camera.up=[0,0,0]").contains("must not be zero"));
     assert!(set("camera.up=[0,-1,-3]").contains("must not point along the line of sight"));
     assert!(set("camera.up=[0,nan,0]").contains("must be finite numbers"));
+    assert!(set("camera.ev100=nan").contains("must be -30 to 50"));
     assert!(set("camera.backdrop=-1").contains("must be finite and not negative"));
+}
+
+#[test]
+fn shots_are_checked() {
+    let least = LEAST.replace("[[light]]", "[import]\nfile=\"shot.glb\"\n[[light]]");
+    let shot = |assignments: &[&str]| refusal(&least, assignments);
+    assert!(shot(&["import.file=other.glb"]).contains("import.file = other.glb: no such file"));
+    assert!(shot(&["import.scale=0"]).contains("import.scale = 0: must be finite and not 0"));
+    assert!(shot(&["import.camera=eye"]).contains("[camera] is there already"));
+    assert!(shot(&["import.scale=1e12"]).contains("the object reaches"));
+    let alone = "version = 1\n[import]\nfile = \"shot.glb\"\n[[light]]\nkind = \"sky\"\n";
+    let wrong = refusal(alone, &["import.camera=lens"]);
+    assert!(wrong.contains("the cameras of the file are \"eye\", \"plan\""), "{wrong}");
+    let blind =
+        refusal("version = 1\n[[light]]\nkind = \"sky\"\n[[object]]\nshape = \"box\"\n", &[]);
+    assert_eq!(
+        blind,
+        "folder/scene.toml: camera is missing: add [camera] with from = [0, 1, 3], at = [0, 0, 0]"
+    );
+}
+
+#[test]
+fn lenses_and_parallel_rays_are_checked() {
+    let all = |assignments: &[&str]| refusal(LEAST, assignments);
+    let lens = |assignment: &str| all(&["camera.aperture=2mm", assignment]);
+    assert!(all(&["camera.aperture=0"]).contains("must be a finite length above 0"));
+    assert!(all(&["camera.f_number=0"]).contains("must be above 0, as 2.8"));
+    assert!(lens("camera.f_number=2").contains("camera.aperture says how wide"));
+    assert!(lens("camera.sensor_height=24mm").contains("only an f-number needs the sensor"));
+    assert!(lens("camera.focus=0").contains("must be a finite length above 0"));
+    assert!(lens("camera.focus=[0,1,4]").contains("must lie before the camera"));
+    assert!(lens("camera.focus=[0,1]").contains("a point [x, y, z]"));
+    assert!(lens("camera.focus=near").contains("unknown unit of length `near`"));
+    assert!(lens("camera.blades=2").contains("must be 0 (round) or 3 to 64"));
+    assert!(lens("camera.blade_rotation=3").contains("a round opening looks the same"));
+    assert!(all(&["camera.focus=1"]).contains("a pinhole has no lens"));
+    assert!(all(&["camera.blades=5"]).contains("a pinhole has no lens"));
+    assert!(all(&["camera.height=1"]).contains("is for kind = \"orthographic\""));
+    let parallel = |assignment: &str| all(&["camera.kind=orthographic", assignment]);
+    assert!(all(&["camera.kind=orthographic"]).contains("camera.height is missing: say how much"));
+    assert!(parallel("camera.height=-1").contains("must be a finite length above 0"));
+    assert!(parallel("camera.vertical_fov=40").contains("neither angle nor lens"));
+    assert!(parallel("camera.f_number=2").contains("neither angle nor lens"));
+    assert!(all(&["camera.kind=fisheye"]).contains("perspective"));
 }
 
 #[test]

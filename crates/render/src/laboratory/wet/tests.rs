@@ -67,7 +67,13 @@ fn union(layer: &WetLayer, radius: f64, eta: f64, paths: u64) -> [Estimate; 3] {
     let quanta =
         layer.periods.map(|period| 32 * (period / quantisation.quantum() / 32.0).round() as i64);
     let grid = GrainGrid::build_periodic(quantisation, &grains, quanta, Packing::Fast).unwrap();
-    let world = World { grid, surfaces: Surfaces::default(), albedos: Vec::new(), eta };
+    let world = World {
+        grid,
+        surfaces: Surfaces::default(),
+        albedos: Vec::new(),
+        emitters: Vec::new(),
+        eta,
+    };
     let out = radius - RADIUS;
     let slab = measure_slab(&world, &slab([-out, DEPTH + out], layer, paths));
     [slab.reflectance, slab.transmittance, slab.ice_path]

@@ -1,0 +1,300 @@
+//! Straight rays through the pores: is anything in the way, and what?
+//!
+//! They are tested as the paths of a flight are, sixteen grains a round and sixteen rays a step, but
+//! end at the first grain.
+
+use super::paths::{GROUP, get, set};
+use super::test::test_group;
+use super::update::{ProbedSets, probe_group};
+use super::{BlockFlight, unit_f32};
+use crate::flight::{FlightEvent, LANES};
+use crate::grain_grid::{GridPosition, RADIUS_MASK};
+use crate::{GrainGrid, SimdLevel, Surfaces};
+use fearless_simd::{Level, Simd, dispatch};
+use snowgrain_math::DVec3;
+
+/// A straight ray to be followed. Lengths in quanta.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// Where it starts.
+    pub start: GridPosition,
+    /// Unit direction.
+    pub direction: [f32; 3],
+    /// How far it goes.
+    pub length: f32,
+    /// Centre of the grain on whose surface it starts and that it leaves, relative to the cell of the
+    /// start: it must not start within another one.
+    pub leaves: Option<[f32; 3]>,
+}
+
+impl Probe {
+    /// From the surface of a grain, where its outward normal is `normal`, along the unit vector
+    /// `direction`. The grain's centre and radius are as [`ProbeAnswer::Met`] tells them. `None` beyond
+    /// the grid, where no grain is.
+    #[must_use]
+    pub fn leaving(
+        grid: &GrainGrid,
+        (center, radius): (GridPosition, f32),
+        normal: DVec3,
+        direction: DVec3,
+        length: f32,
+    ) -> Option<Self> {
+        let normal = unit_f32(normal);
+        let local = [0, 1, 2].map(|axis: usize| center.local[axis] + normal[axis] * radius);
+        let start = grid.settled(GridPosition { cell: center.cell, local })?;
+        let leaves = [0, 1, 2].map(|axis: usize| {
+            let cells = start.cell[axis] - center.cell[axis];
+            center.local[axis] - cells as f32 * grid.side[axis] as f32
+        });
+        Some(Self { start, direction: unit_f32(direction), length, leaves: Some(leaves) })
+    }
+
+    /// From a place in air.
+    #[must_use]
+    pub fn through_air(start: GridPosition, direction: DVec3, length: f32) -> Self {
+        Self { start, direction: unit_f32(direction), length, leaves: None }
+    }
+}
+
+/// What a probe found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ProbeAnswer {
+    /// Nothing: it left the grid or reached its length.
+    Clear,
+    /// Another grain covers its start.
+    Covered,
+    /// A grain.
+    Met {
+        /// How far away, quanta.
+        distance: f32,
+        /// Centre of the grain: a cell near it, and its place relative to that cell.
+        center: GridPosition,
+        /// Its radius, quanta.
+        radius: f32,
+    },
+}
+
+/// Straight rays in flight, up to [`LANES`].
+#[derive(Debug)]
+pub struct Probes<'a> {
+    flight: BlockFlight<'a>,
+    level: Level,
+    answers: Vec<(usize, ProbeAnswer)>,
+}
+
+impl<'a> Probes<'a> {
+    /// None in flight. `surfaces` are not looked at.
+    ///
+    /// # Panics
+    /// If the machine does not have `level`.
+    #[must_use]
+    pub fn new(grid: &'a GrainGrid, surfaces: &'a Surfaces, level: SimdLevel) -> Self {
+        Self {
+            flight: BlockFlight::new(grid, surfaces, 1.0),
+            level: level.token().expect("the SIMD level was checked when it was chosen"),
+            answers: Vec::with_capacity(LANES),
+        }
+    }
+
+    /// Follows all `probes`; `answer` is told the index and the answer of each, in no order.
+    pub fn follow(&mut self, probes: &[Probe], mut answer: impl FnMut(usize, ProbeAnswer)) {
+        let mut next = 0;
+        let mut of_lane = [0; LANES];
+        let lanes = probes.len().min(LANES);
+        self.flight.use_lanes(lanes);
+        while next < lanes {
+            of_lane[next] = next;
+            self.launch(next, &probes[next]);
+            next += 1;
+        }
+        loop {
+            let Self { flight, answers, level } = self;
+            dispatch!(*level, simd => run(simd, flight, answers));
+            if answers.is_empty() {
+                return;
+            }
+            for index in 0..self.answers.len() {
+                let (lane, found) = self.answers[index];
+                answer(of_lane[lane], found);
+                if let Some(probe) = probes.get(next) {
+                    of_lane[lane] = next;
+                    self.launch(lane, probe);
+                    next += 1;
+                }
+            }
+            self.answers.clear();
+        }
+    }
+
+    fn launch(&mut self, lane: usize, probe: &Probe) {
+        let entry = self.flight.grid.fetchable_entry(probe.start.cell);
+        let (group, at) = self.flight.lane_mut(lane);
+        group.pause(at);
+        set(&mut group.position, at, probe.start.local);
+        set(&mut group.cell, at, probe.start.cell);
+        set(&mut group.direction, at, probe.direction);
+        group.air_length[at] = 0.0;
+        group.chord[at] = probe.length;
+        group.grain_radius[at] = 0;
+        match probe.leaves {
+            Some(center) => {
+                set(&mut group.grain, at, center);
+                group.ice |= 1 << at;
+            }
+            None => group.air |= 1 << at,
+        }
+        group.set_entry(at, entry);
+    }
+}
+
+/// Rounds until a probe has its answer or none is in flight.
+#[inline(always)]
+fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>, answers: &mut Vec<(usize, ProbeAnswer)>) {
+    let groups = flight.groups_in_use;
+    while answers.is_empty() && flight.groups[..groups].iter().any(|g| g.flying() != 0) {
+        for index in 0..groups {
+            let group = &mut flight.groups[index];
+            test_group(simd, (flight.grid.blocks(), &[]), group);
+            let ProbedSets { met, covered, ended, beyond } =
+                probe_group(simd, &flight.shape, group);
+            for at in lanes_of(met) {
+                let (group, lane) = (&flight.groups[index], index * GROUP + at);
+                let center = GridPosition {
+                    cell: get(&group.cell, at),
+                    local: get(&group.found_grain, at).map(f32::from),
+                };
+                let distance = group.air_length[at] + group.found[at];
+                let radius = f32::from(group.found_radius[at] & RADIUS_MASK);
+                answers.push((lane, ProbeAnswer::Met { distance, center, radius }));
+            }
+            let told = |set: u32, answer| lanes_of(set).map(move |at| (index * GROUP + at, answer));
+            answers.extend(told(covered, ProbeAnswer::Covered));
+            answers.extend(told(ended, ProbeAnswer::Clear));
+            flight.look_closer(index, beyond);
+            let left = flight.events.drain(..);
+            answers.extend(left.map(|(lane, event)| {
+                debug_assert_eq!(event, FlightEvent::Left, "probes meet nothing else");
+                (lane, ProbeAnswer::Clear)
+            }));
+            flight.prefetch_entries(index);
+            if index > 0 {
+                flight.fetch_entries(index - 1);
+            }
+        }
+        flight.fetch_entries(groups - 1);
+    }
+}
+
+/// The numbers of the bits that are set.
+fn lanes_of(mut set: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let at = set.trailing_zeros() as usize & (GROUP - 1);
+        let any = set != 0;
+        set &= set.wrapping_sub(1);
+        any.then_some(at)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Packing;
+    use snowgrain_geometry::{Grain, Quantisation};
+    use snowgrain_math::sampler::{PathKey, numbers};
+    use snowgrain_math::{Ray, frame};
+
+    const RADIUS: f64 = 0.5;
+
+    fn random(index: u64, event: u32) -> DVec3 {
+        DVec3::from_array(numbers(PathKey::new(9, index, 0), event).map(f64::from))
+    }
+
+    /// Grains in a box of 8 m, half of which overlap others.
+    fn grains(quantisation: &Quantisation) -> Vec<snowgrain_geometry::QuantisedGrain> {
+        let grain = |index| {
+            let radius = RADIUS * (0.4 + 0.6 * random(index, 1).x);
+            quantisation.round(random(index, 0) * 8.0, radius).unwrap()
+        };
+        (0..400).map(grain).collect()
+    }
+
+    /// Distance of the first grain that the ray enters, metres; `None` where it starts within one.
+    fn first(grains: &[Grain], ray: &Ray, own: Option<usize>) -> Option<f64> {
+        let mut nearest = f64::INFINITY;
+        for (index, grain) in grains.iter().enumerate() {
+            if own == Some(index) {
+                continue;
+            }
+            let to_center = grain.center - ray.origin;
+            if to_center.length() < grain.radius {
+                return None;
+            }
+            let middle = to_center.dot(ray.direction);
+            let foot = to_center - middle * ray.direction;
+            let half2 = grain.radius * grain.radius - foot.length_squared();
+            if middle > 0.0 && half2 > 0.0 {
+                nearest = nearest.min(middle - half2.sqrt());
+            }
+        }
+        Some(nearest)
+    }
+
+    #[test]
+    fn probes_find_what_a_search_of_all_grains_finds() {
+        let quantisation = Quantisation::for_grains(DVec3::splat(4.0), RADIUS);
+        let stored = grains(&quantisation);
+        let surfaces = Surfaces::default();
+        let grid = GrainGrid::build(quantisation, &stored, &surfaces, Packing::Fast).unwrap();
+        let grains: Vec<Grain> = stored.iter().map(|&grain| quantisation.grain(grain)).collect();
+        let quantum = grid.quantum();
+        let mut probes = Vec::new();
+        let mut expected = Vec::new();
+        for (index, grain) in (0..).zip(&grains) {
+            for turn in 0..20u32 {
+                let [u, v] = [random(index, 2 + turn).x, random(index, 2 + turn).y];
+                let normal = frame::cosine_hemisphere(DVec3::Y, [u, v]);
+                let normal = if turn % 2 == 0 { normal } else { -normal };
+                let [u, v] = [random(index, 50 + turn).x, random(index, 50 + turn).y];
+                let direction = frame::cosine_hemisphere(normal, [u, v]);
+                let ray = Ray::new(grain.center + normal * grain.radius, direction);
+                let length = 6.0 * random(index, 50 + turn).z;
+                let at = grid.locate(grain.center);
+                let at = GridPosition { local: at.local.map(f32::round), ..at };
+                let stored = (at, (grain.radius / quantum) as f32);
+                let length_quanta = (length / quantum) as f32;
+                let probe = Probe::leaving(&grid, stored, normal, direction, length_quanta);
+                probes.push(probe.unwrap());
+                expected.push((first(&grains, &ray, Some(index as usize)), length));
+            }
+        }
+        for level in SimdLevel::available() {
+            let mut counts = [0; 3];
+            let mut seen = vec![false; probes.len()];
+            Probes::new(&grid, &surfaces, level).follow(&probes, |index, answer| {
+                assert!(!std::mem::replace(&mut seen[index], true), "one answer each");
+                let (nearest, length) = expected[index];
+                let near = |a: f64, b: f64| (a - b).abs() < 1e-3;
+                match (answer, nearest) {
+                    (ProbeAnswer::Covered, None) => counts[0] += 1,
+                    (ProbeAnswer::Met { distance, center, radius }, Some(nearest)) => {
+                        counts[1] += 1;
+                        let distance = f64::from(distance) * quantum;
+                        assert!(near(distance, nearest), "{index}: {distance} {nearest}");
+                        let center = grid.world(center);
+                        let known = grains.iter().any(|grain| {
+                            (grain.center - center).length() < 1e-6
+                                && near(grain.radius, f64::from(radius) * quantum)
+                        });
+                        assert!(known, "{index}: {center}");
+                    }
+                    (ProbeAnswer::Clear, Some(nearest)) => {
+                        counts[2] += 1;
+                        assert!(nearest > length - 1e-3, "{index}: {nearest} {length}");
+                    }
+                    (answer, nearest) => panic!("{index}: {answer:?}, expected {nearest:?}"),
+                }
+            });
+            assert!(seen.iter().all(|&seen| seen) && counts.iter().all(|&n| n > 500), "{counts:?}");
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! A scene for a shot that comes with its camera: the objects stay where they are, snow falls on all of
+//! them from an overcast sky, and the shot's first camera looks on.
+
+use super::mesh_scene::{
+    MeshScene, SNOW_DEPTH_TO_SIZE, VARIATION_TO_RADIUS, grain_radius, rounded,
+};
+use crate::gltf::{ImportedCamera, ImportedProjection, ImportedScene};
+use snowgrain_math::DVec3;
+
+/// Pixels down of the picture.
+const HEIGHT: f64 = 512.0;
+
+/// The scene file for the shot in `file`, relative to where the scene file will be said to lie; `None`
+/// where it has no camera.
+#[must_use]
+pub fn scene_for_shot(file: &str, shot: &ImportedScene) -> Option<MeshScene> {
+    let camera = shot.cameras.first()?;
+    let bounds = shot.bounds();
+    let size = bounds.size();
+    let depth = SNOW_DEPTH_TO_SIZE * size.max_element();
+    let radius = rounded(grain_radius(size.x.max(depth) * size.z.max(depth) * depth) * 1e3);
+    let assumptions = vec![
+        format!(
+            "camera {:?} of the file; {:.4} x {:.4} x {:.4} m",
+            camera.name, size.x, size.y, size.z
+        ),
+        format!(
+            "snow: 1 000 000 grains of {radius:.2} mm radius on all objects, about {:.1} mm deep; \
+             --set snow.radius=... and snow.grains=... say otherwise",
+            depth * 1e3
+        ),
+    ];
+    let variation = rounded(radius * VARIATION_TO_RADIUS);
+    let file = toml::Value::from(file).to_string();
+    let width = (HEIGHT * camera.aspect.unwrap_or(1.0)).round().clamp(1.0, 65_536.0);
+    let toml = format!(
+        r#"# Made for a shot that came alone; change what you like. Lengths in metres or like "5 mm"; y is up.
+version = 1
+
+[film]
+width = {width}
+height = {HEIGHT}
+samples_per_pixel = 32
+seed = 0
+
+[import]
+file = {file}
+
+{camera}
+[[light]]                        # overcast; the camera sees the backdrop instead
+kind = "sky"
+radiance = 1.25
+visible_to_camera = false
+
+[[snow]]
+source = "deposit"
+rule = "ray"
+grains = 1_000_000
+radius = "{radius:?} mm"
+variation = "{variation:?} mm"
+max_slope = 80.0
+"#,
+        camera = write_camera(camera, bounds.center()),
+    );
+    Some(MeshScene { toml, assumptions })
+}
+
+/// The camera, looking at where the middle of the objects is nearest to its line of sight.
+fn write_camera(camera: &ImportedCamera, middle: DVec3) -> String {
+    let ahead = (middle - camera.from).dot(camera.gaze);
+    let at = camera.from + camera.gaze * if ahead > 1e-6 { ahead } else { 1.0 };
+    let name = camera.name.escape_debug();
+    let projection = match camera.projection {
+        ImportedProjection::Perspective { vertical_fov_degrees } => {
+            format!("vertical_fov = {vertical_fov_degrees:?}")
+        }
+        ImportedProjection::Orthographic { height } => {
+            format!("kind = \"orthographic\"\nheight = {height:?}")
+        }
+    };
+    format!(
+        "[camera]                         # {name} of the file\n\
+         from = {:?}\nat = {:?}\nup = {:?}\n{projection}\n\
+         backdrop = [0.03, 0.035, 0.045]  # dark slate: white snow stands out\n",
+        camera.from.to_array(),
+        at.to_array(),
+        camera.up.to_array(),
+    )
+}

@@ -1,0 +1,219 @@
+//! What `[[light]]` and `emission` mean, and what is refused of them.
+
+use super::{LEAST, read, refusal};
+use snowgrain_math::{DVec3, trig};
+use snowgrain_optics::{Illuminant, SunZenith};
+use snowgrain_render::description::LightKind;
+use snowgrain_render::light::direction_of;
+use std::f64::consts::PI;
+
+/// The refusal of the least scene where `line` replaces `old`.
+fn instead(old: &str, line: &str) -> String {
+    refusal(&LEAST.replace(old, line), &[])
+}
+
+#[test]
+fn the_sun_stands_where_place_and_time_say() {
+    let light = "kind = \"sun\"\ntime = \"2003-10-17T12:30:30-07:00\"\nlatitude = 39.742476\n\
+                 longitude = -105.1786";
+    let scene = read(&under(light), &[]).unwrap();
+    let LightKind::Sun { direction, .. } = scene.lights[0].kind else { panic!() };
+    let expected = direction_of(39.888, 194.340);
+    assert!(direction.angle_between(expected).to_degrees() < 0.05);
+}
+
+#[test]
+fn lamps_have_their_places_and_objects_shine() {
+    let sphere = "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = \"5 cm\"\nradiance = 3";
+    let quad = "[[light]]\nkind = \"quad\"\ncorner = [0, 2, 0]\nedges = [[1, 0, 0], [0, 0, 1]]\n";
+    let object = "[[object]]\nshape = \"box\"\nemission = [1, 2, 3]\nemission_spectrum = \"a\"\n\
+                  instances = [{ translate = [5, 0, 0] }, { translate = [9, 0, 0] }]\n";
+    let scene = read(&format!("{}{quad}{object}", under(sphere)), &[]).unwrap();
+    assert_eq!(scene.objects.len(), 3);
+    let kinds: Vec<_> = scene.lights.iter().map(|light| light.kind.clone()).collect();
+    let expected = [
+        LightKind::Sphere { center: DVec3::Y, radius: 0.05 },
+        LightKind::Quad { corner: DVec3::Y * 2.0, edges: [DVec3::X, DVec3::Z] },
+        LightKind::Object { object: 1 },
+        LightKind::Object { object: 2 },
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(scene.lights[0].strength, [3.0; 3]);
+    assert_eq!(scene.lights[2].strength, [1.0, 2.0, 3.0]);
+    assert_eq!(scene.lights[2].spectrum, Illuminant::A);
+    assert!(scene.lights.iter().all(|light| light.group == "lamps"));
+    // A lamp alone is light enough.
+    let dark = LEAST.replace("[[light]]\nkind = \"sky\"\n", "");
+    assert_eq!(read(&format!("{dark}{object}"), &[]).unwrap().lights.len(), 2);
+}
+
+#[test]
+fn maps_of_all_directions_are_read_and_turned() {
+    let light = "kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = -90\nstrength = 2";
+    let scene = read(&under(light), &[]).unwrap();
+    let LightKind::Environment { map, rotation_degrees } = &scene.lights[0].kind else {
+        panic!("{:?}", scene.lights)
+    };
+    assert_eq!((map.width(), *rotation_degrees), (2, 270.0));
+    assert_eq!((scene.lights[0].strength, &*scene.lights[0].group), ([2.0; 3], "environment"));
+}
+
+/// The least scene under another light.
+fn under(light: &str) -> String {
+    LEAST.replace("kind = \"sky\"", light)
+}
+
+#[test]
+fn sun_and_clear_sky_light_white_ground_to_a_radiance_of_one() {
+    for elevation in [90.0, 41.8, 20.0, 3.0] {
+        let light = format!("kind = \"sun-sky\"\nelevation = {elevation}\nazimuth = 90");
+        let scene = read(&under(&light), &[]).unwrap();
+        let [sun, sky] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+        let LightKind::Sun { direction, diameter_degrees } = sun.kind else { panic!("{sun:?}") };
+        assert_eq!(sky.kind, LightKind::ClearSky { sun: direction });
+        assert!((direction.y - trig::sin_cos(f64::to_radians(elevation)).0).abs() < 1e-12);
+        assert!(direction.x >= 0.0 && direction.z.abs() < 1e-12);
+        // The irradiance of a disc across its light, and of level ground by a sky of strength pi.
+        let sine = trig::sin_cos((diameter_degrees * 0.5).to_radians()).0;
+        let disc = PI * sine * sine;
+        let ground =
+            f64::from(sun.strength[1]) * disc * direction.y / PI + f64::from(sky.strength[1]);
+        assert!((ground - 1.0).abs() < 1e-6, "{elevation}: {ground}");
+        assert_eq!((&*sun.group, &*sky.group), ("sun", "sky"));
+        let zenith = SunZenith::new(90.0 - elevation);
+        assert_eq!(sun.spectrum, Illuminant::Sun(zenith));
+        assert_eq!(sky.spectrum, Illuminant::ClearSky(zenith));
+    }
+}
+
+#[test]
+fn a_real_sun_has_the_luminance_of_a_real_day_and_parts_are_those_of_the_whole() {
+    let of = |kind: &str, more: &str| {
+        let light = format!("kind = \"{kind}\"\nelevation = 60\n{more}");
+        read(&under(&light), &[]).unwrap().lights
+    };
+    let both = of("sun-sky", "units = \"cd/m2\"");
+    assert!((1.3e9..1.9e9).contains(&both[0].strength[0]), "{:?}", both[0]);
+    assert!((2e3..1e4).contains(&both[1].strength[0]), "{:?}", both[1]);
+    assert_eq!(of("sun", "units = \"cd/m2\""), both[..1]);
+    assert_eq!(of("clear-sky", "units = \"cd/m2\""), both[1..]);
+    // A wider sun is dimmer; a tint stays a tint.
+    let wide = of("sun", "angular_diameter = 5.33\nstrength = [2, 1, 1]");
+    let narrow = of("sun", "");
+    assert!((narrow[0].strength[1] / wide[0].strength[1] - 99.93).abs() < 0.1);
+    assert_eq!(wide[0].strength[0], 2.0 * wide[0].strength[1]);
+    let white = of("sun", "spectrum = \"d65\"\ngroup = \"key\"");
+    assert_eq!((white[0].spectrum, &*white[0].group), (Illuminant::D65, "key"));
+}
+
+#[test]
+fn lights_that_cannot_shine_are_refused() {
+    let light = |lines: &str| instead("kind = \"sky\"", lines);
+    for elevation in ["0", "-3", "90.5", "nan"] {
+        let message = light(&format!("kind = \"sun-sky\"\nelevation = {elevation}"));
+        let expected =
+            format!("folder/scene.toml:7: light.0.elevation = {elevation}: must be above 0");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+    for (lines, expected) in [
+        ("kind = \"sun\"", "light.0.elevation is missing: say how high the sun stands"),
+        (
+            "kind = \"sky\"\nelevation = 3",
+            "light.0.elevation = 3: not a key of kind = \"sky\" but of \"clear-sky\", \"sun\", \"sun-sky\"",
+        ),
+        ("kind = \"sun\"\nelevation = 3\nradiance = 1", "light.0.radiance = 1: not a key of kind"),
+        ("kind = \"sun\"\nelevation = 3\nangular_diameter = 0", "must be 0.001 to 90 degrees"),
+        ("kind = \"sun\"\nelevation = 3\nazimuth = inf", "light.0.azimuth = inf: must be finite"),
+        (
+            "kind = \"sun\"\nelevation = 3\nstrength = -1",
+            "light.0.strength = -1: must be finite and not",
+        ),
+        ("kind = \"sky\"\ngroup = \"\"", "light.0.group = \"\": must be a name"),
+        ("kind = \"environment\"", "light.0.file is missing: name the map, as file = \"sky.hdr\""),
+        (
+            "kind = \"environment\"\nfile = \"none.hdr\"",
+            "light.0.file = \"none.hdr\": no such file",
+        ),
+        ("kind = \"environment\"\nfile = \"sky.hdr\"\nrotation = nan", "must be finite numbers"),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T23:30:00+01:00\"\nlatitude = 47\nlongitude = 11",
+            "light.0.time = \"2026-01-15T23:30:00+01:00\": the sun is then 6",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00\"\nlatitude = 47\nlongitude = 11",
+            "with the offset from UTC",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"noon\"\nlatitude = 47\nlongitude = 11",
+            "write it as \"2026-01-15T",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00Z\"",
+            "light.0.latitude is missing: say where",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00Z\"\nlatitude = 95\nlongitude = 0",
+            "light.0.latitude = 95: must be -90 to 90 degrees",
+        ),
+        (
+            "kind = \"sun\"\ntime = \"2026-01-15T13:30:00Z\"\nelevation = 9",
+            "light.0.elevation = 9: time says where the sun stands, too",
+        ),
+        (
+            "kind = \"sun\"\nelevation = 9\nlatitude = 9",
+            "a place says where the sun stands only with a time",
+        ),
+        ("kind = \"sphere\"\ncenter = [0, 1, 0]", "light.0.radius is missing: say how large"),
+        (
+            "kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 0",
+            "light.0.radius = 0: must be a finite length above 0",
+        ),
+        ("kind = \"sphere\"\nradius = 1", "light.0.center is missing: say where"),
+        (
+            "kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[1, 1, 0], [2, 2, 0]]",
+            "light.0.edges = [[1, 1, 0], [2, 2, 0]]: the edges are parallel or 0",
+        ),
+        ("kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[0, 0, 0], [1, 0, 0]]", "parallel or 0"),
+        (
+            "kind = \"point\"\nposition = [0, 1, 0]",
+            "light.0.kind = \"point\": no path meets a point",
+        ),
+        ("kind = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 0, 0]", "must not be zero"),
+        (
+            "kind = \"spot\"\nposition = [0, 1, 0]\ninner_angle = 40",
+            "light.0.outer_angle = (default): must be above inner_angle, 40",
+        ),
+        (
+            "kind = \"point\"\nvisible_to_camera = true",
+            "light.0.visible_to_camera = true: not a key of kind = \"point\"",
+        ),
+        ("kind = \"moon\"", "light.0.kind = \"moon\""),
+    ] {
+        let message = light(lines);
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn objects_that_cannot_shine_are_refused() {
+    let object = |lines: &str| instead("shape = \"sphere\"", lines);
+    for (lines, expected) in [
+        ("shape = \"plane\"\nemission = 1", "object.0.emission = 1: a plane has no end"),
+        (
+            "shape = \"box\"\nemission = 1\nalbedo = 0.5",
+            "object.0.albedo = 0.5: an object with emission is black",
+        ),
+        (
+            "shape = \"box\"\nemission = 1\ninstances = [{ albedo = 0.5 }]",
+            "object.0.instances.0.albedo = 0.5: an object with emission is black",
+        ),
+        ("shape = \"box\"\nemission = -1", "object.0.emission = -1: must be finite"),
+        (
+            "shape = \"box\"\nemission_group = \"a\"",
+            "object.0.emission_group = \"a\": the object has no emission",
+        ),
+    ] {
+        let message = object(lines);
+        assert!(message.contains(expected), "{message}");
+    }
+}

@@ -1,0 +1,233 @@
+//! What a search forgets, measured and made up for.
+//!
+//! A search takes the places at which paths strike grains to be random. They are not quite: light that
+//! goes back the way it came finds it open, and grains that overlap hide a part of each other. So what
+//! the search would find of a uniform light is compared with what paths find, which is exact: some paths
+//! are followed before the picture, with random numbers of their own; at each arrival a way out is drawn
+//! as if the place were random, and counted where it is clear, and so are the ways by which paths escape.
+//! The ratio of the counts, by the order of the grain and the angle of scattering, is a factor on what the
+//! search finds. In uniform light it is then right on average; in any other what is left is how the ratio
+//! changes within a bin.
+
+use super::shadow::{Beginning, Brings};
+use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
+use crate::camera::Camera;
+use crate::transport::{NewPath, PathResult, PathSource, trace_seeking};
+use crate::world::World;
+use core::f64::consts::{PI, TAU};
+use rayon::prelude::*;
+use snowgrain_accel::{ArrivalFrom, GrainVisit, SimdLevel};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::{DVec3, frame, trig};
+use snowgrain_optics::sphere::Impact;
+use snowgrain_optics::{Dielectric, fresnel};
+
+/// Paths that are followed.
+const PATHS: u64 = 1 << 17;
+/// Paths of one task.
+const TASK: u64 = 1 << 11;
+/// What tells their random numbers from those of the picture.
+const STREAM: u64 = 0xca11_b7a7_e5ee_d000;
+/// Orders that are told apart; the last is that and all higher ones.
+const ORDERS: usize = 4;
+/// Bins of the angle of scattering, equal in the sine of its half.
+const ANGLES: usize = 8;
+/// Added to both counts, so that few of them change little.
+const PRIOR: f64 = 16.0;
+
+/// What is told apart: whence light arrived, the order of the grain, the angle of scattering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bin(usize);
+
+impl Bin {
+    const COUNT: usize = 2 * ORDERS * ANGLES;
+
+    fn new(from: ArrivalFrom, order: u32, cosine: f64) -> Self {
+        let from = match from {
+            ArrivalFrom::Air => 0,
+            ArrivalFrom::Ice => 1,
+        };
+        let order = (order as usize).clamp(1, ORDERS) - 1;
+        let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
+        let angle = ((half_sine * ANGLES as f64) as usize).min(ANGLES - 1);
+        Self((from * ORDERS + order) * ANGLES + angle)
+    }
+}
+
+/// Factors on what a search finds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gains([f64; Bin::COUNT]);
+
+impl Default for Gains {
+    fn default() -> Self {
+        Self([1.0; Bin::COUNT])
+    }
+}
+
+impl Gains {
+    pub(super) fn gain(&self, from: ArrivalFrom, order: u32, cosine: f64) -> f64 {
+        self.0[Bin::new(from, order, cosine).0]
+    }
+}
+
+/// Counts of ways.
+#[derive(Clone, Debug)]
+pub(super) struct Tally {
+    found: [u64; Bin::COUNT],
+    escaped: [u64; Bin::COUNT],
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self { found: [0; Bin::COUNT], escaped: [0; Bin::COUNT] }
+    }
+}
+
+impl Tally {
+    pub(super) fn found(&mut self, bin: Bin, times: u32) {
+        self.found[bin.0] += u64::from(times);
+    }
+
+    pub(super) fn escaped(&mut self, from: ArrivalFrom, order: u32, cosine: f64) {
+        self.escaped[Bin::new(from, order, cosine).0] += 1;
+    }
+
+    fn merged(mut self, other: &Self) -> Self {
+        for bin in 0..Bin::COUNT {
+            self.found[bin] += other.found[bin];
+            self.escaped[bin] += other.escaped[bin];
+        }
+        self
+    }
+
+    fn gains(&self) -> Gains {
+        Gains(std::array::from_fn(|bin| {
+            (self.escaped[bin] as f64 + PRIOR) / (self.found[bin] as f64 + PRIOR)
+        }))
+    }
+}
+
+impl LightSearch {
+    /// The same search with factors for this scene, of which a picture of `size` pixels is seen; on the
+    /// threads of the current pool, which do not show in the result.
+    #[must_use]
+    pub fn calibrated(
+        self,
+        (world, camera): (&World, &Camera),
+        size: [u32; 2],
+        seed: u64,
+        level: SimdLevel,
+    ) -> Self {
+        let size = size.map(f64::from);
+        let tasks = (0..PATHS.div_ceil(TASK)).into_par_iter();
+        let tally = tasks
+            .map(|task| {
+                let mut seeker = Seeker::new(world, camera, &self, level);
+                seeker.tally = Some(Tally::default());
+                let range = task * TASK..((task + 1) * TASK).min(PATHS);
+                let mut paths = Paths { camera, size, seed, range };
+                trace_seeking(world, level, seeker, &mut paths).tally.unwrap_or_default()
+            })
+            .reduce(Tally::default, |sum, part| sum.merged(&part));
+        Self { gains: tally.gains(), ..self }
+    }
+}
+
+/// Paths over a whole picture.
+struct Paths<'a> {
+    camera: &'a Camera,
+    size: [f64; 2],
+    seed: u64,
+    range: std::ops::Range<u64>,
+}
+
+impl PathSource for Paths<'_> {
+    type Tag = ();
+
+    fn next_path(&mut self) -> Option<NewPath<()>> {
+        let key = PathKey::new(self.seed ^ STREAM, self.range.next()?, 0);
+        let [x, y, _] = numbers(key, 0).map(f64::from);
+        let [u, v, _] = numbers(key, 1).map(f64::from);
+        let ray = self.camera.ray(x * self.size[0], y * self.size[1], [u, v]);
+        Some(NewPath { tag: (), ray, key, event: 2 })
+    }
+
+    fn finish(&mut self, (): (), _: &PathResult) {}
+}
+
+impl Seeker<'_> {
+    /// Draws a way out of a grain as if the path struck it at a random place.
+    pub(super) fn try_a_way(
+        &mut self,
+        visit: &GrainVisit,
+        last: &LastArrival,
+        order: u32,
+        state: &PathState,
+    ) {
+        let key = search_key(state.key);
+        let random = numbers(key, visit.event).map(f64::from);
+        let medium = self.search.medium;
+        let turn = match visit.from {
+            ArrivalFrom::Air => turn_from_air(medium, random),
+            ArrivalFrom::Ice => turn_from_ice(medium, random),
+        };
+        let Some([entry, exit, leaves]) = turn else { return };
+        let (s, t) = frame::tangents(last.direction);
+        let (sin, cos) = trig::sin_cos(TAU * random[2]);
+        let across = s * cos + t * sin;
+        let at = |angle: f64| -> DVec3 {
+            let (sin, cos) = trig::sin_cos(angle);
+            (last.direction * cos + across * sin).normalize()
+        };
+        let direction = at(leaves);
+        let bin = Bin::new(visit.from, order, last.direction.dot(direction));
+        let beginning = last.origin.map(|origin| Beginning {
+            grain: (visit.center, visit.radius),
+            direction: last.direction,
+            normal: at(entry),
+            origin,
+            key,
+            event: visit.event,
+        });
+        let towards = (direction, f64::INFINITY, None);
+        self.want(visit, at(exit), towards, Brings::Count(bin), beginning);
+    }
+}
+
+/// Angles, from the direction of arrival towards the side on which light arrives, of the normals at the
+/// entry and at the exit, and of the direction in which light leaves: `random[0]` chooses the place on the disc, `random[1]` the order.
+fn turn_from_air(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 3]> {
+    let impact = Impact::at_disc_fraction(medium, random[0]);
+    let order = order_of(random[1], |order| impact.energy(order));
+    let leaves = match order {
+        0 => impact.deflection(0),
+        _ => -impact.deflection(order),
+    };
+    let exit = PI - impact.theta_i - f64::from(order) * (PI - 2.0 * impact.theta_t);
+    Some([PI - impact.theta_i, exit, leaves])
+}
+
+/// The same of light that is in the ice; `None` where it does not get out.
+fn turn_from_ice(medium: Dielectric, random: [f64; 3]) -> Option<[f64; 3]> {
+    let sine = random[0].sqrt();
+    let outside = Some(medium.eta * sine).filter(|&sine| sine < 1.0)?;
+    let (inside, outside) = (trig::asin(sine), trig::asin(outside));
+    let reflectance = fresnel::reflectance((1.0 - random[0]).sqrt(), 1.0 / medium.eta);
+    let order =
+        order_of(random[1], |order| (1.0 - reflectance) * trig::pow(reflectance, f64::from(order)));
+    let exit = inside - f64::from(order) * (PI - 2.0 * inside);
+    Some([PI - inside, exit, exit - outside])
+}
+
+/// The order that a number chooses among orders of these shares.
+fn order_of(random: f64, share: impl Fn(u32) -> f64) -> u32 {
+    const LAST: u32 = 64;
+    let mut sum = 0.0;
+    for order in 0..LAST {
+        sum += share(order);
+        if random < sum {
+            return order;
+        }
+    }
+    LAST
+}

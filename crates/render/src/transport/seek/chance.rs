@@ -1,0 +1,131 @@
+//! Light that a path meets by chance while light is looked for as well.
+
+use super::{GRAINS_BEFORE_SUNS, Seeker, Trail, Vertex, product, scaled};
+use crate::light::{LightRole, Lights};
+use crate::transport::{Contribution, PathResult};
+use core::f64::consts::PI;
+use snowgrain_math::DVec3;
+
+/// Where a path met light.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) enum Met {
+    /// At infinity, in this direction.
+    Infinity(DVec3),
+    /// On the surface of a light, which it reached in this direction.
+    Surface {
+        /// Index of the light.
+        light: usize,
+        position: DVec3,
+        normal: DVec3,
+        direction: DVec3,
+    },
+}
+
+/// What counts of a light that is met by chance.
+#[derive(Clone, Copy)]
+enum Chance<'a> {
+    /// Nothing: it is found otherwise.
+    Nothing,
+    /// Its light as these lights have it.
+    All(&'a Lights),
+    /// The part that the balance heuristic leaves beside the search among these lights from this point,
+    /// where chance has this density (1/sr).
+    Beside(&'a Lights, DVec3, f64),
+}
+
+impl Seeker<'_> {
+    /// Books the light that a path meets where it ends; that which the camera sees directly at infinity
+    /// is not here.
+    pub(in super::super) fn at_end(&mut self, trail: &mut Trail, met: Met, path: &PathResult) {
+        let order = trail.order(path.grain_visits);
+        if let Some(tally) = &mut self.tally {
+            if let (Met::Infinity(direction), Some(last)) = (met, trail.last) {
+                tally.escaped(last.from, order, last.direction.dot(direction));
+            }
+            return;
+        }
+        match met {
+            Met::Infinity(_) if order == 0 && trail.vertex == Vertex::Camera => {}
+            Met::Infinity(_) => {
+                for light in 0..self.search.lights.count() {
+                    self.book(trail, light, met, (path, order));
+                }
+            }
+            Met::Surface { light, .. } => self.book(trail, light, met, (path, order)),
+        }
+    }
+
+    /// Books what a path meets of one light.
+    fn book(&self, trail: &mut Trail, light: usize, met: Met, (path, order): (&PathResult, u32)) {
+        let search = self.search;
+        let direction = match met {
+            Met::Infinity(direction) | Met::Surface { direction, .. } => direction,
+        };
+        let chance = if search.is_sought[light] {
+            self.chance(trail, search.roles[light], direction, (path, order))
+        } else {
+            Chance::All(&search.lights)
+        };
+        let (lights, part) = match chance {
+            Chance::Nothing => return,
+            Chance::All(lights) => (lights, 1.0),
+            Chance::Beside(sought, from, density) => {
+                let pdf = match met {
+                    Met::Infinity(_) => sought.pdf_at_infinity(light, direction),
+                    Met::Surface { position, normal, .. } => {
+                        sought.pdf_on_surface(light, from, position, normal)
+                    }
+                };
+                (&search.lights, density / (density + pdf))
+            }
+        };
+        let radiance = match met {
+            Met::Infinity(_) => lights.radiance_at_infinity(light, direction),
+            Met::Surface { .. } => lights.emission(light),
+        };
+        if radiance == [0.0; 3] || part == 0.0 {
+            return;
+        }
+        let sun = search.roles[light] == LightRole::Sun;
+        trail.contributions.push(Contribution {
+            slot: lights.slot_of(light),
+            glint: sun && trail.vertex == Vertex::Camera && order <= GRAINS_BEFORE_SUNS,
+            weight: scaled(product(path.throughput, radiance), part),
+            ice_length: path.ice_length,
+            ice_in_strata: path.ice_in_strata,
+        });
+    }
+
+    /// What counts of a light that is looked for.
+    fn chance(
+        &self,
+        trail: &Trail,
+        role: LightRole,
+        direction: DVec3,
+        (path, order): (&PathResult, u32),
+    ) -> Chance<'_> {
+        let search = self.search;
+        match (order, trail.vertex, trail.last) {
+            (0, Vertex::Surface(position, normal), _) => {
+                Chance::Beside(&search.late, position, normal.dot(direction).max(0.0) / PI)
+            }
+            (0, _, _) => Chance::All(&search.lights),
+            (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {
+                let solved = order == 1 && trail.vertex == Vertex::Camera && is_solved(trail, path);
+                if solved { Chance::Nothing } else { Chance::All(&search.wide) }
+            }
+            (_, _, None) => Chance::All(&search.lights),
+            (_, _, Some(last)) => {
+                let density = search.table(last.from).density(last.direction.dot(direction));
+                Chance::Beside(search.sought_at(order), last.center, density)
+            }
+        }
+    }
+}
+
+/// Whether a path that left the first grain did so by a way that was solved.
+fn is_solved(trail: &Trail, path: &PathResult) -> bool {
+    // A reflection outside is one interface, p chords are p + 1.
+    let chords = path.interface_events.saturating_sub(1);
+    !trail.through_ice && trail.solved_orders.is_some_and(|solved| chords <= solved)
+}

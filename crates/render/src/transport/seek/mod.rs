@@ -1,0 +1,277 @@
+//! Light that is looked for ("sampled"): at every grain and surface, instead of waiting for a path to
+//! meet it.
+//!
+//! A sun of half a degree is met by one path in 10^5. Here a path asks at each arrival at a grain how
+//! much of a light the grain would send back along it. Where on its disc the path strikes a grain is
+//! forgotten, so that the answer is the closed form of [`ScatterTable`] and a shadow ray among the real
+//! grains, from where that way leaves the grain. What this forgets is measured and made up for
+//! ([`calibrate`]). For suns the first grains count most, and their images of it can be seen:
+//!
+//! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
+//!   its visibility among the real grains ([`first_grain`]);
+//! - at the second, and at the first two after a diffuse surface, the sun is met by chance, but it is
+//!   [`WIDENED_DEGREES`] wide, which moves an image of it by less than a tenth of a grain's radius and
+//!   leaves its light as it is.
+//!
+//! Lights that are met by chance as well share the light with it by the balance heuristic (Veach and
+//! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
+
+pub mod calibrate;
+mod chance;
+mod first_grain;
+mod grains;
+mod shadow;
+mod surfaces;
+
+pub(super) use chance::Met;
+pub(super) use surfaces::Bounce;
+
+use super::Contribution;
+use crate::camera::{Bundle, Camera};
+use crate::light::{LightRole, Lights};
+use crate::world::World;
+use calibrate::{Gains, Tally};
+use shadow::{Origin, Wanted};
+use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
+use snowgrain_math::DVec3;
+use snowgrain_math::sampler::PathKey;
+use snowgrain_optics::{Connector, Dielectric, ScatterTable};
+
+/// Angle across suns where they are met by chance after one or two grains, degrees.
+pub const WIDENED_DEGREES: f64 = 30.0;
+
+/// Orders of the first grain that are solved; higher ones (.3 % of its light) are met by chance.
+const SOLVED_ORDERS: u32 = 3;
+/// The same where other grains overlap it: further reflections inside may meet them.
+const SOLVED_ORDERS_OF_OVERLAPPED: u32 = 1;
+
+/// Grains at which suns are not looked for at random places.
+const GRAINS_BEFORE_SUNS: u32 = 2;
+
+/// What tells the random numbers of a search from those of its path.
+const SEARCH: u32 = 0x5eed_1194;
+
+/// What the search for light needs to know of a scene: built once.
+#[derive(Debug)]
+pub struct LightSearch {
+    /// All lights.
+    lights: Lights,
+    roles: Vec<LightRole>,
+    is_sought: Vec<bool>,
+    /// Those that are looked for at the first grains, and those that are from then on and at surfaces;
+    /// the indices are those of all lights.
+    early: Lights,
+    late: Lights,
+    /// Suns as wide as [`WIDENED_DEGREES`].
+    wide: Lights,
+    medium: Dielectric,
+    from_air: ScatterTable,
+    from_ice: ScatterTable,
+    connector: Connector,
+    gains: Gains,
+}
+
+/// Which lights are looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sought {
+    /// All but skies, which paths find by themselves.
+    #[default]
+    NotSkies,
+    /// All.
+    All,
+}
+
+impl LightSearch {
+    /// A search for `lights` among grains of this relative index.
+    #[must_use]
+    pub fn new(lights: &Lights, eta: f64, sought: Sought) -> Self {
+        let medium = Dielectric { eta };
+        let roles: Vec<_> = (0..lights.count()).map(|light| lights.role(light)).collect();
+        let is_sought: Vec<_> =
+            roles.iter().map(|&role| role != LightRole::Sky || sought == Sought::All).collect();
+        Self {
+            early: lights.select(|light| is_sought[light] && roles[light] != LightRole::Sun),
+            late: lights.select(|light| is_sought[light]),
+            wide: lights.widened(WIDENED_DEGREES),
+            lights: lights.clone(),
+            roles,
+            is_sought,
+            medium,
+            from_air: ScatterTable::for_air(medium),
+            from_ice: ScatterTable::for_ice(medium),
+            connector: Connector::new(medium, SOLVED_ORDERS),
+            gains: Gains::default(),
+        }
+    }
+
+    /// The lights that are looked for at a grain of this order.
+    fn sought_at(&self, order: u32) -> &Lights {
+        if order > GRAINS_BEFORE_SUNS { &self.late } else { &self.early }
+    }
+
+    fn table(&self, from: ArrivalFrom) -> &ScatterTable {
+        match from {
+            ArrivalFrom::Air => &self.from_air,
+            ArrivalFrom::Ice => &self.from_ice,
+        }
+    }
+}
+
+/// How a camera saw the start of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// All rays from its place of the lens.
+    pub bundle: Bundle,
+    /// That place.
+    pub lens: [f64; 2],
+    /// Place in the image, pixels.
+    pub image: [f64; 2],
+}
+
+/// Where a path last was without the past showing in where it goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Vertex {
+    /// At the camera.
+    #[default]
+    Camera,
+    /// On a diffuse surface in air: where, and its normal.
+    Surface(DVec3, DVec3),
+    /// On a diffuse surface within a grain.
+    SurfaceInIce,
+}
+
+/// What the search keeps of a path.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trail {
+    view: Option<View>,
+    vertex: Vertex,
+    /// Arrivals at grains from air before the vertex.
+    visits_before: u32,
+    /// Since the vertex.
+    last: Option<LastArrival>,
+    /// Of the first grain from the camera, the orders that were solved.
+    solved_orders: Option<u32>,
+    /// Whether the path went from grain to grain through ice since the vertex.
+    through_ice: bool,
+    /// The light found so far, in the order of the path.
+    pub(super) contributions: Vec<Contribution>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct LastArrival {
+    from: ArrivalFrom,
+    direction: DVec3,
+    /// Centre of the grain.
+    center: DVec3,
+    /// Where its light came from, where ways through the grain must begin at such a place.
+    origin: Option<Origin>,
+}
+
+impl Trail {
+    /// For a new path.
+    pub(super) fn begin(&mut self, view: Option<View>) {
+        let mut contributions = std::mem::take(&mut self.contributions);
+        contributions.clear();
+        *self = Self { view, contributions, ..Self::default() };
+    }
+
+    /// How many grains the path has met since the vertex, of `grain_visits` in all.
+    fn order(&self, grain_visits: u32) -> u32 {
+        grain_visits - self.visits_before + u32::from(self.vertex == Vertex::SurfaceInIce)
+    }
+}
+
+/// What the walk tells of a path when the search looks for light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathState {
+    pub(super) key: PathKey,
+    pub(super) throughput: [f32; 3],
+}
+
+/// Looks for light for the paths of one thread.
+pub(crate) struct Seeker<'a> {
+    world: &'a World,
+    camera: &'a Camera,
+    search: &'a LightSearch,
+    probes: Probes<'a>,
+    /// Shadow rays that wait, and what each would bring.
+    rays: Vec<Probe>,
+    wanted: Vec<Wanted>,
+    /// Where light is not looked for, but what that would find is compared with what paths do.
+    tally: Option<Tally>,
+}
+
+impl<'a> Seeker<'a> {
+    pub(crate) fn new(
+        world: &'a World,
+        camera: &'a Camera,
+        search: &'a LightSearch,
+        level: SimdLevel,
+    ) -> Self {
+        Self {
+            world,
+            camera,
+            search,
+            probes: Probes::new(&world.grid, &world.surfaces, level),
+            rays: Vec::new(),
+            wanted: Vec::new(),
+            tally: None,
+        }
+    }
+
+    /// Looks for light at arrivals at grains, in their order.
+    pub(super) fn at_grains(
+        &mut self,
+        visits: &[GrainVisit],
+        trails: &mut [Trail],
+        state: impl Fn(usize) -> PathState,
+    ) {
+        for visit in visits {
+            let (trail, state) = (&mut trails[visit.lane], state(visit.lane));
+            let order = trail.order(visit.grain_visits);
+            let last = LastArrival {
+                from: visit.from,
+                direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
+                center: self.world.grid.world(visit.center),
+                origin: match visit.from {
+                    ArrivalFrom::Ice => None,
+                    ArrivalFrom::Air if order == 1 && trail.vertex == Vertex::Camera => {
+                        Some(Origin::Open)
+                    }
+                    ArrivalFrom::Air => Some(Origin::Matter),
+                },
+            };
+            trail.last = Some(last);
+            trail.through_ice |= visit.from == ArrivalFrom::Ice;
+            if self.tally.is_some() {
+                self.try_a_way(visit, &last, order, &state);
+                continue;
+            }
+            self.at_random_place(visit, &last, order, &state);
+            if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air {
+                self.at_first_grain(visit, trail, &state);
+            }
+        }
+        self.follow_shadow_rays(trails);
+    }
+
+    /// How far a probe goes that looks at a light at this distance, quanta.
+    fn quanta(&self, metres: f64) -> f32 {
+        (metres / self.world.grid.quantum()).min(1e30) as f32
+    }
+}
+
+/// The key of the random numbers of a search.
+fn search_key(key: PathKey) -> PathKey {
+    PathKey { lo: key.lo ^ SEARCH, hi: key.hi }
+}
+
+/// A colour times a number.
+fn scaled(colour: [f32; 3], factor: f64) -> [f32; 3] {
+    colour.map(|c| (f64::from(c) * factor) as f32)
+}
+
+/// Two colours, channel by channel.
+fn product(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}

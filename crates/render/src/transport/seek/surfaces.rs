@@ -1,0 +1,85 @@
+//! Light at a diffuse surface.
+
+use super::shadow::{Brings, Wanted};
+use super::{PathState, Seeker, Trail, Vertex, product, scaled, search_key};
+use crate::transport::Contribution;
+use core::f64::consts::PI;
+use snowgrain_accel::{Probe, STRATA, SurfaceId};
+use snowgrain_math::sampler::numbers;
+use snowgrain_math::{DVec3, Ray};
+
+/// A diffuse bounce.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Bounce {
+    pub(in super::super) lane: usize,
+    pub(in super::super) position: DVec3,
+    pub(in super::super) normal: DVec3,
+    pub(in super::super) surface: SurfaceId,
+    pub(in super::super) in_ice: bool,
+    /// Random event of the path.
+    pub(in super::super) event: u32,
+    pub(in super::super) grain_visits: u32,
+    pub(in super::super) ice_length: f64,
+    pub(in super::super) ice_in_strata: [f64; STRATA],
+}
+
+impl Seeker<'_> {
+    /// Looks for light at a diffuse surface: `state` holds the throughput after its albedo. From within
+    /// a grain no straight line leads to a light, which is then met by chance.
+    pub(in super::super) fn at_surface(
+        &mut self,
+        bounce: &Bounce,
+        trails: &mut [Trail],
+        state: &PathState,
+    ) {
+        let trail = &mut trails[bounce.lane];
+        trail.visits_before = bounce.grain_visits;
+        trail.through_ice = false;
+        trail.last = None;
+        if bounce.in_ice {
+            trail.vertex = Vertex::SurfaceInIce;
+            return;
+        }
+        trail.vertex = Vertex::Surface(bounce.position, bounce.normal);
+        if self.tally.is_some() {
+            return;
+        }
+        let [light, u, v] = numbers(search_key(state.key), 2 * bounce.event).map(f64::from);
+        let Some(sample) = self.search.late.sample(bounce.position, [light, u, v]) else { return };
+        let density = bounce.normal.dot(sample.direction) / PI;
+        if density <= 0.0 {
+            return;
+        }
+        let ray = Ray::new(bounce.position, sample.direction);
+        let surfaces = &self.world.surfaces;
+        let lamp = sample.surface.map(|id| id.object);
+        let hit = surfaces.intersect(&ray, sample.distance, Some(bounce.surface));
+        if hit.is_some_and(|hit| lamp != Some(hit.id.object)) {
+            return;
+        }
+        // The balance heuristic; nothing meets a point by chance.
+        let rivals = if sample.is_point { 0.0 } else { density };
+        let contribution = Contribution {
+            slot: sample.slot,
+            glint: false,
+            weight: scaled(
+                product(state.throughput, sample.radiance),
+                density / (sample.pdf + rivals),
+            ),
+            ice_length: bounce.ice_length,
+            ice_in_strata: bounce.ice_in_strata,
+        };
+        let entry = self.world.grid.enter(&ray).filter(|&(t, _)| t < sample.distance);
+        let Some((t, start)) = entry else {
+            trails[bounce.lane].contributions.push(contribution);
+            return;
+        };
+        let length = self.quanta(sample.distance - t);
+        self.rays.push(Probe::through_air(start, sample.direction, length));
+        // Surfaces have been looked at.
+        let brings = Brings::Light(contribution);
+        let (lane, beginning) = (bounce.lane, None);
+        self.wanted.push(Wanted { lane, brings, ray, distance: 0.0, lamp: None, beginning });
+        self.follow_shadow_rays(trails);
+    }
+}
