@@ -1,6 +1,7 @@
 //! The command line as typed.
 
 mod compare;
+mod denoise;
 mod deposit;
 mod develop;
 mod display;
@@ -20,6 +21,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 pub(crate) use compare::CompareArguments;
+pub(crate) use denoise::DenoiseArguments;
 pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
 pub(crate) use display::{Bits, DisplayArguments};
@@ -56,7 +58,7 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     Deposit(DepositArguments),
     Develop(DevelopArguments),
     Scenes(ScenesArguments),

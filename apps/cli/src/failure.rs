@@ -1,5 +1,6 @@
 //! How the program ends when it cannot do what was asked: one line and an exit code.
 
+use snowgrain_denoise::DenoiseError;
 use snowgrain_film::FilmError;
 use snowgrain_formats::FormatsError;
 use snowgrain_formats::scene::SceneError;
@@ -122,6 +123,21 @@ impl From<RenderError> for Failure {
             | RenderError::MapPixels { .. }
             | RenderError::MapValue { .. } => exit::BAD_INPUT,
             RenderError::Film(source) => Self::from(source).code,
+        };
+        Self::new(code, message)
+    }
+}
+
+impl From<DenoiseError> for Failure {
+    fn from(error: DenoiseError) -> Self {
+        let message = error.to_string();
+        let code = match error {
+            DenoiseError::NotFound { .. }
+            | DenoiseError::Unsuitable { .. }
+            | DenoiseError::Failed(_) => exit::REFUSED,
+            DenoiseError::NoGuide(_) => exit::BAD_INPUT,
+            DenoiseError::Size { .. } => exit::BUG,
+            DenoiseError::Film(source) => Self::from(source).code,
         };
         Self::new(code, message)
     }

@@ -11,6 +11,7 @@ mod progress;
 mod signals;
 mod summary;
 mod threads;
+mod viewer;
 
 use clap::Parser;
 use failure::{Failure, exit};

@@ -42,6 +42,8 @@ pub(crate) struct RunFigures {
     pub(crate) samples: u64,
     pub(crate) samples_per_pixel: u64,
     pub(crate) complete: bool,
+    /// Where a noise was asked for.
+    pub(crate) noise: Option<NoiseFigures>,
     pub(crate) paths_in_snow: u64,
     pub(crate) interface_events: u64,
     pub(crate) grain_visits: u64,
@@ -57,6 +59,23 @@ pub(crate) struct RunFigures {
     pub(crate) simd: String,
     pub(crate) version: &'static str,
     pub(crate) scene_hash: String,
+}
+
+/// What became of a wanted noise; `samples_per_pixel` of the run is that of the noisiest block.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct NoiseFigures {
+    pub(crate) target: f64,
+    /// Of all blocks, as their samples say; `None` where a pixel has fewer than two.
+    pub(crate) largest_relative_error: Option<f64>,
+    pub(crate) samples_per_pixel_least: u64,
+    pub(crate) samples_per_pixel_mean: f64,
+    pub(crate) blocks: u64,
+    /// Of these, those that would need more samples than were allowed.
+    pub(crate) blocks_held_back: u64,
+    /// Samples of all pixels together that are not part of the picture.
+    pub(crate) pilot_samples: u64,
+    pub(crate) pilot_seconds: f64,
+    pub(crate) pilot_cpu_seconds: f64,
 }
 
 /// What became of the grains of one snowfall.
@@ -89,6 +108,7 @@ pub(crate) struct Run<'a> {
     pub(crate) statistics: &'a Statistics,
     pub(crate) samples_per_pixel: u64,
     pub(crate) complete: bool,
+    pub(crate) noise: Option<NoiseFigures>,
     pub(crate) mean_radiance: Option<[f64; 3]>,
     pub(crate) packing: Packing,
     pub(crate) threads: usize,
@@ -112,6 +132,7 @@ impl Run<'_> {
             samples: counts.paths,
             samples_per_pixel: self.samples_per_pixel,
             complete: self.complete,
+            noise: self.noise,
             paths_in_snow: counts.paths_in_snow,
             interface_events: counts.interface_events,
             grain_visits: counts.grain_visits,
@@ -171,10 +192,29 @@ impl RunFigures {
             per_second * 1e-6,
             self.trapped_paths,
         ));
+        lines.extend(self.noise.as_ref().map(|noise| noise.line(self.samples_per_pixel)));
         if let Some([r, g, b]) = self.mean_radiance {
             lines.push(format!("mean radiance {r:.5} {g:.5} {b:.5}"));
         }
         lines
+    }
+}
+
+impl NoiseFigures {
+    fn line(&self, most: u64) -> String {
+        let held_back = match self.blocks_held_back {
+            0 => String::new(),
+            blocks => format!("; {blocks} of {} blocks need more than --spp", self.blocks),
+        };
+        format!(
+            "noise target {}: {} to {most} samples a pixel, {:.1} on average, largest relative error \
+             {}{held_back}; the pilot took {}",
+            self.target,
+            self.samples_per_pixel_least,
+            self.samples_per_pixel_mean,
+            self.largest_relative_error.map_or_else(|| "unknown".into(), |e| format!("{e:.4}")),
+            seconds(self.pilot_seconds, self.pilot_cpu_seconds),
+        )
     }
 }
 

@@ -79,6 +79,19 @@ pub enum FilmError {
         /// Sample after the last of them.
         end: u64,
     },
+    /// Counts of samples by block do not fit the film.
+    #[error(
+        "{counts} counts of samples for {blocks} blocks and a relative error of {relative_error} mean \
+         nothing: each block needs a count from 1 up, and the error must be above 0"
+    )]
+    BadBlockCounts {
+        /// Counts given.
+        counts: usize,
+        /// Blocks of the crop.
+        blocks: u64,
+        /// The relative error they were chosen for.
+        relative_error: f64,
+    },
     /// Two films are not of one picture.
     #[error("the films differ in {what} ({ours} and {theirs}), so they cannot be merged")]
     FilmsDiffer {

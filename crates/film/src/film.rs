@@ -1,8 +1,8 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
 use crate::{
-    FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, Kept, LightLayerNames, LightLayers,
-    PixelRect, PixelSums, SampleRanges,
+    BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, Kept, LightLayerNames,
+    LightLayers, PixelRect, PixelSums, SampleRanges,
 };
 use snowgrain_optics::Grade;
 use std::ops::Range;
@@ -28,6 +28,7 @@ pub struct Film {
     crop: PixelRect,
     identity: FilmIdentity,
     samples: SampleRanges,
+    block_counts: Option<BlockCounts>,
     pixels: Vec<PixelSums>,
     /// What turned lengths in ice into the colours of the sums.
     pub grade: Grade,
@@ -58,12 +59,33 @@ impl Film {
             crop,
             identity,
             samples: SampleRanges::default(),
+            block_counts: None,
             pixels,
             grade: Grade::default(),
             vertical_fov_degrees: None,
             ice_paths: None,
             light_layers: None,
         })
+    }
+
+    /// The same film, empty of samples, whose pixels are to hold only samples below the counts of their
+    /// blocks.
+    ///
+    /// # Errors
+    /// Counts of another crop.
+    pub fn with_block_counts(mut self, counts: BlockCounts) -> Result<Self, FilmError> {
+        if counts.crop() != self.crop {
+            let (tile, crop) = (counts.crop(), self.crop);
+            return Err(FilmError::TileOutsideFilm { tile, crop });
+        }
+        self.block_counts = Some(counts);
+        Ok(self)
+    }
+
+    /// How many samples the pixels of each block are to have, where blocks differ.
+    #[must_use]
+    pub fn block_counts(&self) -> Option<&BlockCounts> {
+        self.block_counts.as_ref()
     }
 
     /// The same film, empty of ice paths, that keeps them from now on.
@@ -91,6 +113,7 @@ impl Film {
     pub fn empty_copy(&self) -> Result<Self, FilmError> {
         let mut film = Self::new(self.width, self.height, self.crop, self.identity)?;
         film.grade = self.grade.clone();
+        film.block_counts = self.block_counts.clone();
         film.vertical_fov_degrees = self.vertical_fov_degrees;
         if let Some(paths) = &self.ice_paths {
             film = film.keeping_ice_paths(paths.layout())?;
@@ -156,7 +179,7 @@ impl Film {
         self.identity
     }
 
-    /// The samples that every pixel has.
+    /// The samples that every pixel has; where blocks have counts, those below the count of its block.
     #[must_use]
     pub fn samples(&self) -> &SampleRanges {
         &self.samples
@@ -224,6 +247,15 @@ impl Film {
         let hash = |film: &Self| hexadecimal(&film.identity.scene_hash);
         differ("scene", hash(self), hash(other))?;
         differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())?;
+        let counts = |film: &Self| match &film.block_counts {
+            None => "the same everywhere".to_owned(),
+            Some(counts) => format!(
+                "{} in all for a relative error of {}",
+                counts.total(),
+                counts.relative_error()
+            ),
+        };
+        differ("samples by block", counts(self), counts(other))?;
         let kept = |film: &Self| match film.ice_paths.as_ref().map(IcePaths::layout) {
             None => "not kept".to_owned(),
             Some(IcePathLayout { lights, scale_exponent }) => {
@@ -247,8 +279,7 @@ impl Film {
         let kept = self.kept();
         let mut tiles: Vec<_> =
             self.crop.tiles(side).map(|rect| FilmTileMut::without_rows(rect, kept)).collect();
-        let width = self.crop.width() as usize;
-        let grid = TileGrid { width, side: side as usize };
+        let grid = TileGrid { crop: self.crop, side };
         grid.deal(&mut self.pixels, 1, &mut tiles, |tile, piece| tile.rows.push(piece));
         if let Some(ice) = &mut self.ice_paths {
             let stride = ice.layout().sums();
@@ -280,11 +311,11 @@ impl Film {
     }
 }
 
-/// How the pixels of a crop of so many columns lie in tiles of `side` x `side`.
+/// How the pixels of a crop lie in tiles of `side` x `side` that are aligned with the picture.
 #[derive(Clone, Copy)]
 struct TileGrid {
-    width: usize,
-    side: usize,
+    crop: PixelRect,
+    side: u32,
 }
 
 impl TileGrid {
@@ -296,11 +327,15 @@ impl TileGrid {
         tiles: &mut [FilmTileMut<'a>],
         give: impl Fn(&mut FilmTileMut<'a>, &'a mut [T]),
     ) {
-        let across = self.width.div_ceil(self.side);
-        for (row, sums) in sums.chunks_mut(self.width * stride).enumerate() {
-            let pieces = sums.chunks_mut(self.side * stride);
-            let tiles = tiles[row / self.side * across..].iter_mut();
-            tiles.zip(pieces).for_each(|(tile, piece)| give(tile, piece));
+        let Self { crop, side } = self;
+        let across = (crop.x1.div_ceil(side) - crop.x0 / side) as usize;
+        for (y, mut rest) in (crop.y0..).zip(sums.chunks_mut(crop.width() as usize * stride)) {
+            let above = (y / side - crop.y0 / side) as usize;
+            for tile in &mut tiles[above * across..][..across] {
+                let (piece, tail) = rest.split_at_mut(tile.rect().width() as usize * stride);
+                give(tile, piece);
+                rest = tail;
+            }
         }
     }
 }

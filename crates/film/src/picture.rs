@@ -148,7 +148,7 @@ pub struct Picture {
     layers: Vec<(Layer, Vec<f32>)>,
     /// Radiance at single wavelengths, if known.
     pub spectrum: Vec<SpectralLayer>,
-    /// The light in layers that add up to the colour layers, if known.
+    /// The light in layers that add up to the colour layers (before a denoiser), if known.
     pub light_layers: Vec<LightLayer>,
     /// Vertical field of view of the whole picture, degrees, if known.
     pub vertical_fov_degrees: Option<f64>,
@@ -158,6 +158,8 @@ pub struct Picture {
     pub exposure_stops: f64,
     /// Where it comes from, if known.
     pub provenance: Option<Provenance>,
+    /// Whether its colours are a denoiser's guess, which is no measurement.
+    pub denoised: bool,
 }
 
 impl Picture {
@@ -180,6 +182,7 @@ impl Picture {
             primaries: Primaries::default(),
             exposure_stops: 0.0,
             provenance: None,
+            denoised: false,
         })
     }
 
@@ -263,8 +266,8 @@ impl Picture {
         Ok(())
     }
 
-    /// Leaves out the layers of variance.
-    pub(crate) fn remove_variance(&mut self) {
+    /// Leaves out the layers of variance, for colours of which they would say nothing.
+    pub fn remove_variance(&mut self) {
         self.layers.retain(|(layer, _)| !Layer::VARIANCE.contains(layer));
     }
 

@@ -79,13 +79,15 @@ impl PixelRect {
         (self.x0 + (index % width) as u32, self.y0 + (index / width) as u32)
     }
 
-    /// Tiles of at most `side` x `side` pixels that cover the rectangle, in row-major order.
+    /// The squares of `side` x `side` pixels, aligned with the picture, of which it has pixels, in
+    /// row-major order; each cut to the rectangle.
     pub fn tiles(self, side: u32) -> impl Iterator<Item = Self> {
-        let step = side.max(1) as usize;
-        (self.y0..self.y1).step_by(step).flat_map(move |y| {
-            (self.x0..self.x1).step_by(step).map(move |x| {
-                Self::new(x, y, x.saturating_add(side.max(1)), y.saturating_add(side.max(1)))
-                    .intersection(&self)
+        let side = side.max(1);
+        let starts = move |first: u32, end: u32| (first - first % side..end).step_by(side as usize);
+        let rows = if self.is_empty() { 0..0 } else { self.y0..self.y1 };
+        starts(rows.start, rows.end).flat_map(move |y| {
+            starts(self.x0, self.x1).map(move |x| {
+                Self::new(x, y, x.saturating_add(side), y.saturating_add(side)).intersection(&self)
             })
         })
     }
@@ -107,6 +109,7 @@ mod tests {
         let mut seen = vec![0; rect.area() as usize];
         for tile in rect.tiles(8) {
             assert!(rect.encloses(&tile) && tile.width() <= 8 && tile.height() <= 8);
+            assert!(tile.x0 / 8 == (tile.x1 - 1) / 8 && tile.y0 / 8 == (tile.y1 - 1) / 8);
             for index in 0..tile.area() as usize {
                 let (x, y) = tile.pixel(index);
                 seen[rect.index(x, y).unwrap()] += 1;

@@ -15,9 +15,12 @@
 //! | 8 | vertical field of view, degrees; 0: not known |
 //! | 4 | layers of light; 0: they are not kept |
 //! | 4, 4 | bytes of the grade and of the names of the layers |
+//! | 4 | counts of samples by block ([`BlockCounts`]); 0: blocks do not differ |
 //! | so many | the grade, as TOML ([`grade`]) |
 //! | so many | the names of the layers, as TOML ([`layers`]) |
 //! | 16 each | first sample, sample after the last |
+//! | 8 | where there are counts: the relative error that they were chosen for, a double |
+//! | 4 each | the counts, in the order of [`snowgrain_film::PixelRect::tiles`] |
 //! | 208 each | sums of the pixels of the crop, row-major ([`PixelSums::to_le_bytes`]) |
 //! | 768 each, for each spectrum | ice paths of the pixels ([`IcePaths::sums`]), signed, 8 bytes each |
 //! | 48 each, for each layer | layers of light of the pixels ([`LightLayers::sums`]), signed, 16 bytes each |
@@ -27,10 +30,10 @@ mod grade;
 mod header;
 mod layers;
 
-use crate::error::{Fault, FormatsError};
+use crate::error::{Fault, FormatsError, room};
 use crate::{atomic, input};
 use header::Header;
-use snowgrain_film::{Film, FilmError, IcePaths, LightLayers, PixelSums};
+use snowgrain_film::{BlockCounts, Film, FilmError, IcePaths, LightLayers, PixelSums};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
@@ -73,6 +76,10 @@ fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     for range in film.samples().as_slice() {
         writer.write_all(&range.start.to_le_bytes())?;
         writer.write_all(&range.end.to_le_bytes())?;
+    }
+    if let Some(counts) = film.block_counts() {
+        writer.write_all(&counts.relative_error().to_le_bytes())?;
+        counts.counts().iter().try_for_each(|count| writer.write_all(&count.to_le_bytes()))?;
     }
     film.pixels().iter().try_for_each(|sums| writer.write_all(&sums.to_le_bytes()))?;
     let ice = film.ice_paths().map_or(&[][..], IcePaths::sums);
@@ -125,6 +132,10 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
         let recorded = film.record_samples(start..end);
         recorded.map_err(|error| Fault::whole(error.to_string(), MEND))?;
     }
+    if header.block_counts > 0 {
+        let counts = read_counts(&mut reader, &header)?;
+        film = film.with_block_counts(counts).map_err(film_fault)?;
+    }
     for sums in film.pixels_mut() {
         *sums = PixelSums::from_le_bytes(&array(&mut reader)?);
     }
@@ -153,10 +164,6 @@ fn empty_film(reader: &mut impl Read, header: &Header) -> Result<Film, Fault> {
     if header.ice_paths.is_some_and(|layout| layout.lights as usize != grade.lights.len()) {
         return Err(Fault::whole("its ice paths are not those of its lights", MEND));
     }
-    let film_fault = |error: FilmError| match error {
-        FilmError::TooLarge { .. } => Fault::TooLarge("the film".into()),
-        error => Fault::whole(error.to_string(), MEND),
-    };
     let Header { width, height, crop, identity, .. } = *header;
     let mut film = Film::new(width, height, crop, identity).map_err(film_fault)?;
     if let Some(layout) = header.ice_paths {
@@ -173,6 +180,23 @@ fn empty_film(reader: &mut impl Read, header: &Header) -> Result<Film, Fault> {
     film.grade = grade;
     film.vertical_fov_degrees = header.vertical_fov_degrees;
     Ok(film)
+}
+
+/// The counts of samples by block.
+fn read_counts(reader: &mut impl Read, header: &Header) -> Result<BlockCounts, Fault> {
+    let relative_error = f64::from_le_bytes(array(reader)?);
+    let mut counts = room(header.block_counts as usize, "counts of samples")?;
+    for _ in 0..header.block_counts {
+        counts.push(u32::from_le_bytes(array(reader)?));
+    }
+    BlockCounts::new(header.crop, relative_error, counts).map_err(film_fault)
+}
+
+fn film_fault(error: FilmError) -> Fault {
+    match error {
+        FilmError::TooLarge { .. } => Fault::TooLarge("the film".into()),
+        error => Fault::whole(error.to_string(), MEND),
+    }
 }
 
 fn array<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], Fault> {
@@ -302,6 +326,23 @@ mod tests {
         fn ice_paths_layers_and_grades_come_back_as_they_were(length in 0.0..2000.0f64) {
             let film = graded(length);
             prop_assert_eq!(read_bytes(&written(&film)).unwrap(), film);
+        }
+
+        #[test]
+        fn counts_of_blocks_come_back_as_they_were(
+            relative_error in 1e-6..10.0f64,
+            count in 1..u32::MAX,
+        ) {
+            let crop = PixelRect::new(14, 1, 18, 2);
+            let film = Film::new(20, 3, crop, film(&[1.0]).identity()).unwrap();
+            let counts = BlockCounts::new(crop, relative_error, vec![count, 1]).unwrap();
+            let film = film.with_block_counts(counts).unwrap();
+            let mut bytes = written(&film);
+            prop_assert_eq!(read_bytes(&bytes).unwrap(), film);
+            let at = bytes.len() - 32 - 4 * PixelSums::BYTES - 4;
+            bytes[at] = 0; // the second count
+            let error = read_bytes(&bytes).unwrap_err().to_string();
+            prop_assert!(error.contains("count"), "{}", error);
         }
 
         #[test]

@@ -28,6 +28,7 @@ pub mod laboratory;
 mod mesh;
 mod ply;
 pub mod scene;
+pub mod tev;
 
 pub use environment::load_environment;
 pub use error::{FormatsError, Place};

@@ -14,6 +14,7 @@ pub mod aabb;
 pub mod frame;
 pub mod ray;
 pub mod sampler;
+pub mod sobol;
 pub mod trig;
 
 pub use aabb::Aabb;

@@ -46,6 +46,8 @@ pub struct FilmDescription {
     pub samples_per_pixel: u32,
     /// Seed of the sampler.
     pub seed: u64,
+    /// Where in its pixel each sample looks.
+    pub sampler: Sampler,
     /// Primaries of the picture; everything else in a scene is linear sRGB.
     pub primaries: Primaries,
     /// Whether the film keeps each pixel's light by length in ice, so that ice and impurities can be
@@ -67,12 +69,24 @@ impl FilmDescription {
             height,
             samples_per_pixel,
             seed,
+            sampler: Sampler::default(),
             primaries: Primaries::Srgb,
             keep_ice_paths: false,
             keep_light_groups: false,
             exposure_stops: 0.0,
         }
     }
+}
+
+/// The closed set of ways to choose the first numbers of a path: where in its pixel, and on the lens, it
+/// begins. All that follows is independent whatever this is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sampler {
+    /// Independent samples, whose spread says exactly how uncertain their mean is.
+    #[default]
+    Independent,
+    /// An Owen-scrambled Sobol sequence for each pixel ([`snowgrain_math::sobol`]).
+    Sobol,
 }
 
 /// A camera.

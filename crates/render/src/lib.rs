@@ -20,7 +20,10 @@ pub mod world;
 
 pub use error::RenderError;
 pub use estimate::CostEstimate;
-pub use render::{RenderControl, RenderSettings, Rendered, Rendering, render, render_with};
+pub use render::{
+    PILOT_SAMPLES, Pilot, RenderControl, RenderSettings, Rendered, Rendering, block_counts, render,
+    render_blocks_with, render_with,
+};
 pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of};
 pub use snowgrain_accel::{STRATA, SimdLevel};
 pub use statistics::Statistics;

@@ -3,7 +3,7 @@
 use crate::Strata;
 use crate::description::{
     Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
-    Projection, SceneDescription,
+    Projection, Sampler, SceneDescription,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -70,6 +70,10 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     hash.tag("film");
     hash.words(&[scene.film.width, scene.film.height]);
     hash.tag(scene.film.primaries.name());
+    match scene.film.sampler {
+        Sampler::Independent => {}
+        Sampler::Sobol => hash.tag("sobol"),
+    }
     hash.tag("camera");
     for vector in [scene.camera.from, scene.camera.at, scene.camera.up] {
         hash.doubles(&vector.to_array());

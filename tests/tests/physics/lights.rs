@@ -8,7 +8,8 @@ use snowgrain_grains::DepositRule;
 use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription,
 };
 use snowgrain_render::light::{EnvironmentMap, direction_of};
 use snowgrain_render::measure::Estimate;
@@ -28,7 +29,7 @@ fn ground(lights: Vec<LightDescription>) -> SceneDescription {
             from: DVec3::Y * 0.3,
             at: DVec3::ZERO,
             up: DVec3::NEG_Z,
-            vertical_fov_degrees: 0.1,
+            projection: Projection::pinhole(0.1),
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(1.31),
@@ -43,6 +44,7 @@ fn ground(lights: Vec<LightDescription>) -> SceneDescription {
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
         packing: None,
+        light_finding: LightFinding::Exact,
     }
 }
 

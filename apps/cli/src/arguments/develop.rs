@@ -1,6 +1,8 @@
 //! `snowgrain develop` as typed.
 
-use super::{DisplayArguments, GroupFactor, PictureFile, Series, laboratory_values};
+use super::{
+    DenoiseArguments, DisplayArguments, GroupFactor, PictureFile, Series, laboratory_values,
+};
 use clap::Args;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::path::PathBuf;
@@ -15,6 +17,7 @@ use std::path::PathBuf;
     snowgrain render snowy-teapot --keep ice-paths -o teapot.film\n  \
     snowgrain develop teapot.film --impurity soot=200ppb -o sooty.png\n  \
     snowgrain develop teapot.film --impurity dust-sahara=100ppm --ice-k warren-brandt-2008 -o dusty.png\n  \
+    snowgrain develop teapot.film --denoise -o smooth.png\n  \
     snowgrain develop winter.film --group sun=0.5 --group sky=2,#ffd0a0 -o dusk.png -o dusk.exr\n  \
     snowgrain develop winter.film --exposure auto --curve agx --glare eye --gamut compress -o shown.png\n  \
     snowgrain develop teapot.film --wavelengths 400:700:20 -o teapot.exr")]
@@ -60,4 +63,7 @@ pub(crate) struct DevelopArguments {
 
     #[command(flatten)]
     pub(crate) display: DisplayArguments,
+
+    #[command(flatten)]
+    pub(crate) denoise: DenoiseArguments,
 }

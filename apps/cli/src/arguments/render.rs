@@ -1,7 +1,8 @@
 //! `snowgrain render` as typed.
 
 use super::{
-    DisplayArguments, MachineArguments, PictureFile, ReportArguments, SceneArguments, Size,
+    DenoiseArguments, DisplayArguments, MachineArguments, PictureFile, ReportArguments,
+    SceneArguments, Size,
 };
 use super::{Series, laboratory_values, values};
 use clap::Args;
@@ -22,6 +23,7 @@ use std::time::Duration;
     snowgrain render scene.toml --set snow.radius=0.3mm --set camera.vertical_fov=25 -o out.png\n  \
     snowgrain render snowy-teapot --view close -o close.png\n  \
     snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
+    snowgrain render scene.toml --spp 100000 --time-limit 10m --display-server localhost:14158 -o out.exr\n  \
     snowgrain render scene.toml --dry-run\n\n\
     The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
 pub(crate) struct RenderArguments {
@@ -54,9 +56,22 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "VIEW", value_parser = values::view)]
     pub(crate) view: Option<View>,
 
-    /// Stops after the pass over the picture that exceeds this time, counted from the start
+    /// Ends with fewer samples after the pass over the picture that exceeds this time (90s, 10m, 1.5h),
+    /// counted from the start of the program; what every pixel has is the picture
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub(crate) time_limit: Option<Duration>,
+
+    /// Gives each block of 16x16 pixels only as many samples as it needs for this relative error, as
+    /// 0.05: the standard error of its pixels (root mean square) over their mean + 0.01. A pilot of 16
+    /// samples, which the picture does not hold, finds how many; --spp (or the scene) says how many at
+    /// most
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = values::positive)]
+    pub(crate) noise_target: Option<f64>,
+
+    /// Shows the picture while it grows in the image viewer tev, which listens there (tev's own
+    /// default is localhost:14158); a viewer that is absent or goes away changes nothing
+    #[arg(long, value_name = "HOST:PORT", value_parser = values::host_and_port)]
+    pub(crate) display_server: Option<String>,
 
     /// Albedos 1, no absorption, uniform light of radiance 1: every pixel must be exactly 1
     #[arg(long)]
@@ -85,6 +100,9 @@ pub(crate) struct RenderArguments {
 
     #[command(flatten)]
     pub(crate) display: DisplayArguments,
+
+    #[command(flatten)]
+    pub(crate) denoise: DenoiseArguments,
 
     #[command(flatten)]
     pub(crate) machine: MachineArguments,

@@ -130,7 +130,18 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A time: `90s`, `5min`, `1.5h`, `500ms`.
+/// A name or address of a machine and a port on it: `localhost:14158`, `[::1]:14158`.
+pub(super) fn host_and_port(text: &str) -> Result<String, String> {
+    let known = text.rsplit_once(':').filter(|(host, port)| {
+        let bare_version_6 = host.contains(':') && !(host.starts_with('[') && host.ends_with(']'));
+        !host.is_empty() && !bare_version_6 && port.parse().is_ok_and(|port: u16| port > 0)
+    });
+    known.map(|_| text.to_owned()).ok_or_else(|| {
+        "write HOST:PORT, as localhost:14158, with a port from 1 to 65535".to_owned()
+    })
+}
+
+/// A time: `90s`, `10m` or `10min`, `1.5h`, `500ms`.
 pub(super) fn duration(text: &str) -> Result<Duration, String> {
     const UNITS: [(&str, f64); 5] =
         [("ms", 1e-3), ("min", 60.0), ("h", 3600.0), ("m", 60.0), ("s", 1.0)];
@@ -139,7 +150,7 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
         Some((Ok(number), scale)) if number * scale > 0.0 && number * scale < 1e9 => {
             Ok(Duration::from_secs_f64(number * scale))
         }
-        _ => Err("write a time with its unit, as 90s, 5min or 1.5h".into()),
+        _ => Err("write a time above 0 with its unit, as 90s, 10m or 1.5h".into()),
     }
 }
 
@@ -186,6 +197,11 @@ pub(super) fn grain_file(text: &str) -> Result<PathBuf, String> {
 /// A finite number, at least 0.
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     finite(text).and_then(|n| if n >= 0.0 { Ok(n) } else { Err("write a number from 0 up".into()) })
+}
+
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|n| if n > 0.0 { Ok(n) } else { Err("write a number above 0".into()) })
 }
 
 /// A number between 0 and 1.
@@ -291,9 +307,15 @@ mod tests {
         assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
         assert_eq!(duration("1.5h"), Ok(Duration::from_secs(5400)));
         assert_eq!(duration("2min"), Ok(Duration::from_secs(120)));
+        assert_eq!(duration("10m"), Ok(Duration::from_secs(600)));
         assert_eq!(duration("250 ms"), Ok(Duration::from_millis(250)));
-        for bad in ["90", "s", "-1s", "infs", "nan s", "1e99h"] {
+        for bad in ["90", "s", "0s", "-1s", "infs", "nan s", "1e99h"] {
             assert!(duration(bad).is_err(), "{bad}");
+        }
+        assert_eq!(host_and_port("localhost:14158"), Ok("localhost:14158".into()));
+        assert!(host_and_port("[::1]:1").is_ok());
+        for bad in ["localhost", ":14158", "a:0", "a:65536", "a:b", "::1:5", ""] {
+            assert!(host_and_port(bad).is_err(), "{bad}");
         }
         assert_eq!(length("20cm"), Ok(0.2));
         assert_eq!(length("0.2"), Ok(0.2));

@@ -14,6 +14,15 @@ const EXCEEDED: u8 = 1;
 pub(super) fn run(arguments: &CompareArguments) -> Result<u8, Failure> {
     let picture = read_picture(&arguments.picture)?;
     let reference = read_picture(&arguments.reference)?;
+    for (picture, path) in [(&picture, &arguments.picture), (&reference, &arguments.reference)] {
+        if picture.denoised {
+            output::tell(&format!(
+                "snowgrain: {}: these colours are a denoiser's guess; they say nothing of how right \
+                 the render is",
+                path.display()
+            ));
+        }
+    }
     let comparison = compare(&picture, &reference, arguments.exposure, arguments.pixels_per_degree)
         .map_err(|error| {
             let names = [&arguments.picture, &arguments.reference].map(|p| p.display());

@@ -1,5 +1,6 @@
 //! `snowgrain develop`.
 
+use super::denoise::{denoised, denoiser};
 use super::pictures::Pictures;
 use crate::arguments::{DevelopArguments, GroupFactor, PictureFormat};
 use crate::failure::Failure;
@@ -20,6 +21,7 @@ pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
         return Err(Failure::usage("--primaries are those of .exr files; name one by -o"));
     }
     let pictures = Pictures::new(&arguments.output, &arguments.display)?;
+    let denoiser = denoiser(&arguments.denoise, &arguments.output, 0)?;
     let film = read_film(&arguments.film)?;
     let grade = grade(&film, arguments);
     let name = arguments.film.display().to_string();
@@ -29,6 +31,9 @@ pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
     if let Some(wavelengths) = &arguments.wavelengths {
         picture.spectrum =
             spectral_layers(&film, &grade, mix.as_ref(), &wavelengths.0).map_err(of_film)?;
+    }
+    if let Some(denoiser) = denoiser {
+        picture = denoised(&denoiser, &picture)?;
     }
     if let Some(stops) = pictures.automatic_stops(&picture)? {
         output::tell(&format!("exposure {stops:+.3} stops"));

@@ -1,6 +1,7 @@
 //! The commands.
 
 mod compare;
+mod denoise;
 mod deposit;
 mod develop;
 mod measure;

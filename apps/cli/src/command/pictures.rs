@@ -1,9 +1,10 @@
-//! The files that a picture goes to.
+//! The files that a picture goes to, and the viewer that is shown it.
 
 use crate::arguments::{Bits, DisplayArguments, PictureFile, PictureFormat};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::signals::Interrupts;
+use crate::viewer::Viewer;
 use snowgrain_film::develop::{self, Development, Exposure};
 use snowgrain_film::{Film, Picture};
 use snowgrain_formats::{atomic, image, write_film};
@@ -20,9 +21,10 @@ const EARLY: Duration = Duration::from_millis(500);
 /// Between two looks at whether there is something to show.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// The files that a picture goes to.
+/// The files that a picture goes to, and the viewer that is shown it.
 pub(super) struct Pictures<'a> {
     files: &'a [PictureFile],
+    viewer: Option<Viewer>,
     development: Development,
     bits: Bits,
 }
@@ -38,7 +40,28 @@ impl<'a> Pictures<'a> {
         for file in files {
             atomic::check_writable_target(&file.path)?;
         }
-        Ok(Self { files, development, bits: display.bits })
+        Ok(Self { files, viewer: None, development, bits: display.bits })
+    }
+
+    /// From now on previews go to this viewer, too.
+    pub(super) fn show_in(&mut self, viewer: Viewer) {
+        self.viewer = Some(viewer);
+    }
+
+    /// Shows the last picture in the viewer, if there is one.
+    pub(super) fn show_last(&self, picture: &Picture, progress: &Progress) {
+        let Some(viewer) = &self.viewer else { return };
+        if viewer.is_there() {
+            viewer.show(picture.clone());
+        }
+        viewer.finish();
+        self.tell_of_loss(progress);
+    }
+
+    fn tell_of_loss(&self, progress: &Progress) {
+        if let Some(fault) = self.viewer.as_ref().and_then(Viewer::fault) {
+            progress.note(&fault);
+        }
     }
 
     /// The exposure that is found for a picture, stops, where it is automatic and shows.
@@ -86,7 +109,8 @@ impl<'a> Pictures<'a> {
         Ok(())
     }
 
-    /// Does `work` and meanwhile refreshes the PNG files, on a thread of its own.
+    /// Does `work` and meanwhile refreshes the PNG files and what the viewer shows, on a thread of its
+    /// own.
     pub(super) fn refreshed<T>(
         &self,
         rendering: &Rendering,
@@ -96,7 +120,7 @@ impl<'a> Pictures<'a> {
     ) -> T {
         std::thread::scope(|scope| {
             let (working, ended) = channel::<()>();
-            if self.shown().next().is_some() {
+            if self.shown().next().is_some() || self.viewer.is_some() {
                 scope.spawn(move || self.refresh(rendering, interrupts, progress, &ended));
             }
             let result = work();
@@ -128,7 +152,14 @@ impl<'a> Pictures<'a> {
             let began = Instant::now();
             let written = match rendering.preview() {
                 Ok(None) => continue,
-                Ok(Some(picture)) => interrupts.while_writing(|| self.write_preview(&picture)),
+                Ok(Some(picture)) => {
+                    let written = interrupts.while_writing(|| self.write_preview(&picture));
+                    if let Some(viewer) = self.viewer.as_ref().filter(|viewer| viewer.is_there()) {
+                        viewer.show(picture);
+                    }
+                    self.tell_of_loss(progress);
+                    written
+                }
                 Err(error) => Err(Failure::from(error)),
             };
             if let Err(failure) = written {

@@ -1,5 +1,8 @@
 //! `snowgrain render`.
 
+mod noise;
+
+use super::denoise::{denoised, denoiser};
 use super::pictures::Pictures;
 use crate::arguments::{PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
@@ -11,13 +14,16 @@ use crate::progress::Progress;
 use crate::signals::Interrupts;
 use crate::summary::{BuildTimes, Run, grouped};
 use crate::threads::{pool, threads};
+use crate::viewer::Viewer;
+use noise::Plan;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Picture, PixelRect, spectral_layers};
+use snowgrain_denoise::Denoiser;
+use snowgrain_film::{BlockCounts, Picture, PixelRect, spectral_layers};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::{Packing, SceneDescription};
 use snowgrain_render::{
-    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_with,
+    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_blocks_with,
 };
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -25,13 +31,14 @@ use std::time::Instant;
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
     refuse_options_without_file(arguments)?;
-    let pictures = Pictures::new(&arguments.output, &arguments.display)?;
+    let mut pictures = Pictures::new(&arguments.output, &arguments.display)?;
     if let Some(path) = &arguments.report.json_stats {
         if arguments.output.iter().any(|picture| picture.path == *path) {
             return Err(Failure::usage("--json-stats and --output name the same file; name two"));
         }
         atomic::check_writable_target(path)?;
     }
+    let denoiser = denoiser(&arguments.denoise, &arguments.output, threads(&arguments.machine))?;
     let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);
     let interrupts = Interrupts::watch();
     let mut loaded = load(arguments, &progress)?;
@@ -65,7 +72,15 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     refuse_camera_in_ice(&scene, &loaded)?;
     let settings =
         RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
-    let task = Task { arguments, scene: &scene, packing, settings, pool: &pool, started };
+    if let Some(address) = &arguments.display_server {
+        pictures.show_in(Viewer::at(address, loaded.name.clone()));
+    }
+    let plan = match arguments.noise_target {
+        Some(target) => Some(Plan::find(&scene, &settings, target, &pool, &progress)?),
+        None => None,
+    };
+    let (scene, pool) = (&scene, &pool);
+    let task = Task { arguments, scene, packing, settings, plan, denoiser, pool, started };
     let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
@@ -240,11 +255,20 @@ struct Task<'a> {
     scene: &'a Scene,
     packing: Packing,
     settings: RenderSettings,
+    /// How many samples each block is to have, where blocks differ.
+    plan: Option<Plan>,
+    denoiser: Option<Denoiser>,
     pool: &'a ThreadPool,
     started: Instant,
 }
 
 impl Task<'_> {
+    /// Most samples that a pixel is to have.
+    fn wanted(&self) -> u64 {
+        let counts = self.plan.as_ref().map(Plan::counts);
+        counts.map_or(self.settings.samples.end, |counts| counts.greatest().into())
+    }
+
     /// Renders, refreshing the PNG files.
     fn render(
         &self,
@@ -253,10 +277,13 @@ impl Task<'_> {
         progress: &Progress,
     ) -> Result<(Outcome, Spent), Failure> {
         let samples_done = AtomicU64::new(0);
-        let wanted = self.settings.samples.end;
-        let total = self.settings.crop.area().saturating_mul(wanted);
+        let wanted = self.wanted();
+        let counts = self.plan.as_ref().map(Plan::counts);
+        let every = self.settings.crop.area().saturating_mul(wanted);
+        let total = counts.map_or(every, BlockCounts::total);
+        let (limit, started) = (self.arguments.time_limit, self.started);
         let after_pass = |samples: u64| {
-            let over = self.arguments.time_limit.is_some_and(|l| self.started.elapsed() >= l);
+            let over = limit.is_some_and(|limit| started.elapsed() >= limit);
             if over && samples < wanted {
                 interrupts.stop().store(true, Ordering::SeqCst);
             }
@@ -269,7 +296,7 @@ impl Task<'_> {
             after_pass: &after_pass,
         };
         let (rendered, preview) = progress.samples(&samples_done, total, || {
-            render_with(self.scene, &self.settings, |rendering| {
+            render_blocks_with(self.scene, &self.settings, counts.cloned(), |rendering| {
                 pictures.refreshed(rendering, interrupts, progress, || {
                     self.pool.install(|| rendering.run(&control))
                 })?;
@@ -299,9 +326,14 @@ impl Task<'_> {
                 picture.spectrum = spectral_layers(film, &film.grade, None, &wavelengths.0)?;
             }
             mean_radiance = Some(picture.mean_radiance()?);
+            if let Some(denoiser) = &self.denoiser {
+                picture = denoised(denoiser, &picture)?;
+            }
             written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
+            pictures.show_last(&picture, progress);
         } else if let Some(preview) = preview {
             written = interrupts.while_writing(|| pictures.write_preview(preview));
+            pictures.show_last(preview, progress);
         }
         let figures = Run {
             report: &self.scene.report,
@@ -311,6 +343,7 @@ impl Task<'_> {
             statistics: &rendered.statistics,
             samples_per_pixel: samples,
             complete: rendered.complete,
+            noise: self.plan.as_ref().map(|plan| plan.figures(&rendered.film)),
             mean_radiance,
             packing: self.packing,
             threads: self.pool.current_num_threads(),
@@ -323,14 +356,14 @@ impl Task<'_> {
             written = written.and(interrupts.while_writing(|| output::write_text(path, &text)));
         }
         written?;
-        let wanted = self.settings.samples.end;
+        let wanted = self.wanted();
         let kept = match (samples, preview) {
             (0, None) => "before there was a picture; nothing was written".to_owned(),
             (0, Some(_)) => "before every pixel had a sample; PNG files show a coarse picture, \
                              nothing else was written"
                 .to_owned(),
             _ => format!(
-                "after {samples} of {wanted} samples a pixel; the picture so far is written"
+                "after {samples} of {wanted} samples a pixel; the picture of these is written"
             ),
         };
         match interrupts.exit_code() {
@@ -339,7 +372,7 @@ impl Task<'_> {
                 Ok(code)
             }
             None if !rendered.complete => {
-                progress.note(&format!("stopped by --time-limit {kept}"));
+                progress.note(&format!("ended by --time-limit {kept}"));
                 Ok(0)
             }
             None => Ok(0),

@@ -15,7 +15,7 @@ const RENDER: [&str; 9] = [
     "-q",
 ];
 
-/// A place with a film of one group of lights, `main`, that keeps it apart.
+/// A place with a film that keeps its groups of lights apart: sky and backdrop.
 fn with_film() -> Workplace {
     let place = Workplace::new();
     let film = ["--keep", "light-groups", "--keep", "ice-paths", "-o", "a.film", "-o", "a.exr"];
@@ -27,15 +27,16 @@ fn with_film() -> Workplace {
 fn groups_are_mixed_without_tracing() {
     let place = with_film();
     let mean = |name: &str| read_picture(&place.path(name)).unwrap().mean_radiance().unwrap();
-    place.succeed(&["develop", "a.film", "--group", "main=1", "-o", "same.exr"]);
+    place.succeed(&["develop", "a.film", "--group", "sky=1", "-o", "same.exr"]);
     assert_eq!(place.bytes("same.exr"), place.bytes("a.exr"));
-    let half = ["develop", "a.film", "--group", "main=0.5", "-o", "half.exr", "-o", "half.png"];
-    place.succeed(&half);
+    let half = ["develop", "a.film", "--group", "sky=0.5", "--group", "backdrop=0.5"];
+    place.succeed(&[&half[..], &["-o", "half.exr", "-o", "half.png"]].concat());
     let (whole, half) = (mean("a.exr"), mean("half.exr"));
     assert!((0..3).all(|c| (half[c] - 0.5 * whole[c]).abs() < 1e-6), "{whole:?} {half:?}");
     let soot = ["--impurity", "soot=2ppm"];
     let develop = |more: &[&str]| place.succeed(&[&["develop", "a.film"], more].concat());
-    develop(&[&soot[..], &["--group", "main=2,#ff8040", "-o", "warm.exr"]].concat());
+    let warm = ["--group", "sky=2,#ff8040", "--group", "backdrop=2,#ff8040", "-o", "warm.exr"];
+    develop(&[&soot[..], &warm].concat());
     develop(&[&soot[..], &["-o", "sooty.exr"]].concat());
     let (warm, sooty) = (mean("warm.exr"), mean("sooty.exr"));
     assert!((warm[0] / sooty[0] - 2.0).abs() < 0.02, "{warm:?} {sooty:?}");
@@ -85,11 +86,11 @@ fn what_cannot_be_mixed_or_shown_is_said() {
         "a.film",
         &["--group", "moon=1"],
         65,
-        "a.film: the film has no group of lights moon; it has main",
+        "a.film: the film has no group of lights moon; it has sky, backdrop",
     );
-    refused("plain.film", &["--group", "main=1"], 65, "--keep light-groups");
-    refused("a.film", &["--group", "main"], 2, "sky=2,#ffd0a0");
-    refused("a.film", &["--group", "main=1,pink"], 2, "3200K");
+    refused("plain.film", &["--group", "sky=1"], 65, "--keep light-groups");
+    refused("a.film", &["--group", "sky"], 2, "sky=2,#ffd0a0");
+    refused("a.film", &["--group", "sky=1,pink"], 2, "3200K");
     refused("a.film", &["--white-balance", "3200"], 2, "3200K");
     refused("a.film", &["--glare", "star"], 2, "eye,0.5");
     refused("a.film", &["--curve", "agx", "--roll-off", "0.5"], 2, "--curve plain");

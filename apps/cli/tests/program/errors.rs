@@ -45,6 +45,31 @@ fn misuse_is_2() {
         (vec!["render", "snowy-teapot", "-o", "a.png", "--crop", "0,0,9999,9"], vec!["512x512"]),
         (vec!["render", "snowy-teapot", "-o", "a.png", "--simd", "mmx"], vec!["mmx", "avx2"]),
         (vec!["render", "snowy-teapot", "-o", "a.png", "--units", "mm"], vec!["--units", "mesh"]),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--time-limit", "90"],
+            vec!["--time-limit", "90s"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--display-server", "localhost"],
+            vec!["--display-server", "localhost:14158"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--display-server", "localhost:99999"],
+            vec!["--display-server", "65535"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--noise-target", "0"],
+            vec!["--noise-target", "above 0"],
+        ),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--noise-target", "-0.1"],
+            vec!["--noise-target"],
+        ),
+        (vec!["render", "snowy-teapot", "-o", "a.film", "--denoise"], vec!["--denoise", ".png"]),
+        (
+            vec!["render", "snowy-teapot", "-o", "a.png", "--denoise-library", "x"],
+            vec!["--denoise"],
+        ),
         (vec!["rendr"], vec!["rendr"]),
         (vec!["measure", "cube", "--lattice", "sc", "--counts", "2,2,2"], vec!["--lit-all-around"]),
     ] {

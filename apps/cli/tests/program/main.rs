@@ -9,9 +9,11 @@ mod errors;
 mod laboratory;
 mod light_in_snow;
 mod measures;
+mod noise;
 mod pictures;
 #[cfg(unix)]
 mod signals;
+mod viewer;
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};

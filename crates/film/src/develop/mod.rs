@@ -24,7 +24,7 @@ pub use transfer::{linear_from_srgb, srgb_from_linear};
 /// How bright a picture is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// The light is multiplied by 2 to this power.
+    /// The light is multiplied by 2 to this power, beside the exposure that the picture carries.
     Stops(f64),
     /// Such that the median of the sunlit body (`develop::body`) is shown as 212 of 255.
     Auto,
@@ -79,7 +79,7 @@ impl Development {
         }
     }
 
-    /// The exposure of a picture in stops; 0 where it is automatic and nothing has light.
+    /// The exposure of a picture in stops, its own included; 0 where it is automatic and nothing has light.
     ///
     /// # Errors
     /// A picture without colour.
@@ -91,7 +91,7 @@ impl Development {
 
     fn stops_of(&self, scene: &Scene<'_>) -> f64 {
         match self.exposure {
-            Exposure::Stops(stops) => stops,
+            Exposure::Stops(stops) => scene.exposure_stops + stops,
             Exposure::Auto => Body::of(scene).map_or(0.0, |body| {
                 let gain = self.curve.light_shown_as(BODY_CODE) / body.luminance;
                 trig::ln(gain) * core::f64::consts::LOG2_E
@@ -163,6 +163,8 @@ fn develop<T: Copy>(
 struct Scene<'a> {
     channels: [&'a [f32]; 3],
     alpha: Option<&'a [f32]>,
+    /// What the picture carries.
+    exposure_stops: f64,
     /// From the primaries of the picture, where those are others.
     to_srgb: Option<DMat3>,
     /// Adaptation to white.
@@ -176,7 +178,8 @@ impl<'a> Scene<'a> {
             other => Some(Primaries::Srgb.under_d65() * other.under_d65().inverse()),
         };
         let (channels, alpha) = (picture.colour()?, picture.layer(Layer::A));
-        Ok(Self { channels, alpha, to_srgb, white: None })
+        let exposure_stops = picture.exposure_stops;
+        Ok(Self { channels, alpha, exposure_stops, to_srgb, white: None })
     }
 
     /// Chooses what is white.

@@ -31,6 +31,11 @@ fn known_values_clamp_and_encode() {
 fn a_stop_doubles() {
     let stop = to_16_bit(&strip(&[0.1, 0.4]), &Development::plain(1.0)).unwrap();
     assert_eq!(stop, to_16_bit(&strip(&[0.2, 0.8]), &Development::plain(0.0)).unwrap());
+    let mut own = strip(&[0.1, 0.4]);
+    own.exposure_stops = 3.0;
+    let both = Development::plain(-2.0);
+    assert_eq!(to_16_bit(&own, &both).unwrap(), stop, "its own exposure, and more");
+    assert_eq!(both.stops(&own), Ok(1.0));
 }
 
 #[test]

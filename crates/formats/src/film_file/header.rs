@@ -8,10 +8,13 @@ use std::io::{self, Read, Write};
 
 const VERSION: u32 = 3;
 /// Bytes of the head.
-const BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 8 + 4 + 4 + 4;
+const BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 8 + 4 + 4 + 4 + 4;
 /// Spectra of lights are few.
 const MOST_LIGHTS: u32 = 64;
 const RANGE_BYTES: u64 = 16;
+/// Bytes of the relative error that counts of samples were chosen for, and of each count.
+const COUNTS_TARGET_BYTES: u64 = 8;
+const COUNT_BYTES: u64 = 4;
 const HASH_BYTES: u64 = 32;
 /// Bytes of the sums of a layer of light in one pixel.
 const LAYER_BYTES: u64 = 48;
@@ -28,6 +31,8 @@ pub(super) struct Header {
     pub(super) light_layers: u32,
     pub(super) grade_bytes: u32,
     pub(super) layers_bytes: u32,
+    /// Blocks that have counts of samples.
+    pub(super) block_counts: u32,
 }
 
 impl Header {
@@ -45,6 +50,7 @@ impl Header {
             light_layers: length(film.kept().light_layers)?,
             grade_bytes: length(grade.len())?,
             layers_bytes: length(layers.len())?,
+            block_counts: length(film.block_counts().map_or(0, |counts| counts.counts().len()))?,
         })
     }
 
@@ -61,7 +67,8 @@ impl Header {
         writer.write_all(&lights.to_le_bytes())?;
         writer.write_all(&scale.to_le_bytes())?;
         writer.write_all(&self.vertical_fov_degrees.unwrap_or(0.0).to_le_bytes())?;
-        let lengths = [self.light_layers, self.grade_bytes, self.layers_bytes];
+        let Self { light_layers, grade_bytes, layers_bytes, block_counts, .. } = *self;
+        let lengths = [light_layers, grade_bytes, layers_bytes, block_counts];
         lengths.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
     }
 
@@ -99,6 +106,7 @@ impl Header {
             light_layers: number()?.min(MOST_LAYERS as u32),
             grade_bytes: number()?,
             layers_bytes: number()?,
+            block_counts: number()?,
         };
         header.check_length(length)?;
         Ok(header)
@@ -106,7 +114,11 @@ impl Header {
 
     fn check_length(&self, length: u64) -> Result<(), Fault> {
         let texts = u64::from(self.grade_bytes) + u64::from(self.layers_bytes);
-        let fixed = BYTES + texts + u64::from(self.ranges) * RANGE_BYTES + HASH_BYTES;
+        let counts = match self.block_counts {
+            0 => 0,
+            counts => COUNTS_TARGET_BYTES + u64::from(counts) * COUNT_BYTES,
+        };
+        let fixed = BYTES + texts + u64::from(self.ranges) * RANGE_BYTES + counts + HASH_BYTES;
         let pixel_bytes = PixelSums::BYTES as u64
             + self.ice_paths.map_or(0, IcePathLayout::bytes)
             + u64::from(self.light_layers) * LAYER_BYTES;

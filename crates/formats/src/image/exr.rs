@@ -2,7 +2,8 @@
 //!
 //! One part, channels named as [`Layer::name`] says (the format demands alphabetical order in the
 //! file), ZIP compression, chromaticities of the primaries, and where known the attributes
-//! `samplesPerPixel`, `seed`, `sceneHash`, `exposureStops` and `software` (name and version).
+//! `samplesPerPixel`, `seed`, `sceneHash`, `exposureStops` and `software` (name and version). Colours that a
+//! denoiser made have `denoised` = 1.
 //!
 //! Spectral layers are channels `S0.550,0nm` beside the colours, which are their preview, as Fichet,
 //! Pacanowski and Wilkie say ("An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021), with the
@@ -40,6 +41,7 @@ const SAMPLES_PER_PIXEL: &str = "samplesPerPixel";
 const EXPOSURE: &str = "exposureStops";
 const SEED: &str = "seed";
 const SCENE_HASH: &str = "sceneHash";
+const DENOISED: &str = "denoised";
 
 /// Writes all layers of a picture. The same picture gives the same bytes.
 ///
@@ -79,6 +81,9 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
     if picture.exposure_stops != 0.0 {
         let stops = AttributeValue::F64(picture.exposure_stops);
         attributes.other.insert(Text::from(EXPOSURE), stops);
+    }
+    if picture.denoised {
+        attributes.other.insert(Text::from(DENOISED), AttributeValue::I32(1));
     }
     if !picture.spectrum.is_empty() {
         let texts = [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1")];
@@ -202,6 +207,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
     picture.primaries = primaries(image.attributes.chromaticities)?;
     picture.exposure_stops = exposure(&part.attributes);
     picture.provenance = provenance(&part.attributes);
+    let denoised = part.attributes.other.get(&Text::from(DENOISED));
+    picture.denoised = matches!(denoised, Some(AttributeValue::I32(value)) if *value != 0);
     Ok(picture)
 }
 
@@ -365,6 +372,9 @@ mod tests {
     #[test]
     fn layers_windows_and_provenance_come_back_exactly() {
         assert_eq!(decode(&encode(&picture()).unwrap()).unwrap(), picture());
+        let mut denoised = picture();
+        denoised.denoised = true;
+        assert_eq!(decode(&encode(&denoised).unwrap()).unwrap(), denoised);
     }
 
     #[test]

@@ -59,6 +59,10 @@ pub struct FilmTable {
     pub samples_per_pixel: u32,
     /// Seed of the random numbers of light: a whole number; default 0.
     pub seed: u64,
+    /// Where in its pixel each sample looks: "independent" (at random, so that the layers of variance
+    /// say exactly how uncertain the picture is) or "sobol" (spread evenly: less noise at edges, where
+    /// the layers of variance then say too much); default "independent".
+    pub sampler: SamplerName,
     /// Primaries of the picture: "srgb" or "acescg"; default "srgb". All colours in a scene are of
     /// sRGB whatever they are.
     pub primaries: PrimariesName,
@@ -81,6 +85,17 @@ pub enum PrimariesName {
     Acescg,
 }
 
+/// Ways to choose where in its pixel each sample looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SamplerName {
+    /// At random.
+    #[default]
+    Independent,
+    /// Along an Owen-scrambled Sobol sequence.
+    Sobol,
+}
+
 /// What a film may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -98,6 +113,7 @@ impl Default for FilmTable {
             height: 512,
             samples_per_pixel: 64,
             seed: 0,
+            sampler: SamplerName::default(),
             primaries: PrimariesName::default(),
             keep: Vec::new(),
         }

@@ -8,7 +8,7 @@ mod objects;
 mod snow;
 
 use super::document::{
-    IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName,
+    IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName, SamplerName,
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
@@ -20,7 +20,7 @@ use snowgrain_grains::GrainField;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
     FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    Packing, Pores, SceneDescription,
+    Packing, Pores, Sampler, SceneDescription,
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::{STRATA, Strata};
@@ -138,6 +138,10 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
         height: film.height,
         samples_per_pixel: film.samples_per_pixel,
         seed: film.seed,
+        sampler: match film.sampler {
+            SamplerName::Independent => Sampler::Independent,
+            SamplerName::Sobol => Sampler::Sobol,
+        },
         primaries: match film.primaries {
             PrimariesName::Srgb => Primaries::Srgb,
             PrimariesName::Acescg => Primaries::AcesCg,

@@ -8,6 +8,7 @@
 //! are exact, so the film is the same whatever the threads, tiles and passes were.
 
 mod batch;
+mod noise;
 mod passes;
 mod stream;
 mod tile_sums;
@@ -16,9 +17,12 @@ use crate::statistics::Statistics;
 use crate::transport::seek::Seeker;
 use crate::transport::{trace, trace_seeking};
 use crate::{RenderError, Scene};
+pub use noise::{PILOT_SAMPLES, Pilot, block_counts};
 use passes::Passes;
 use snowgrain_accel::SimdLevel;
-use snowgrain_film::{Film, FilmError, FilmIdentity, IcePathLayout, Layer, Picture, PixelRect};
+use snowgrain_film::{
+    BlockCounts, Film, FilmError, FilmIdentity, IcePathLayout, Layer, Picture, PixelRect,
+};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -26,8 +30,9 @@ use stream::Stream;
 use tile_sums::TileSums;
 
 /// Pixels along an edge of a tile. Its sums (53 kB) stay in a core's cache while a task adds to them;
-/// small enough that a thumbnail keeps many threads busy.
-const TILE: u32 = 16;
+/// small enough that a thumbnail keeps many threads busy. Tiles are the blocks that may have sample counts
+/// of their own.
+const TILE: u32 = BlockCounts::SIDE;
 
 /// What part of the picture to render, and how.
 #[derive(Clone, Debug)]
@@ -105,6 +110,20 @@ pub fn render_with<T>(
     settings: &RenderSettings,
     work: impl FnOnce(&Rendering<'_>) -> T,
 ) -> Result<(Rendered, T), RenderError> {
+    render_blocks_with(scene, settings, None, work)
+}
+
+/// As [`render_with`], where each block of pixels has of `settings.samples` those below its count (of
+/// [`block_counts`]), if counts are given.
+///
+/// # Errors
+/// As [`render_with`]; counts of another crop.
+pub fn render_blocks_with<T>(
+    scene: &Scene,
+    settings: &RenderSettings,
+    counts: Option<BlockCounts>,
+    work: impl FnOnce(&Rendering<'_>) -> T,
+) -> Result<(Rendered, T), RenderError> {
     let identity = FilmIdentity { scene_hash: scene.hash, seed: scene.film.seed };
     let crop = settings.crop;
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
@@ -118,7 +137,21 @@ pub fn render_with<T>(
         let greatest = scene.lights.greatest_radiance();
         film = film.keeping_ice_paths(IcePathLayout::for_radiance(lights, greatest))?;
     }
+    if let Some(counts) = counts {
+        film = film.with_block_counts(counts)?;
+    }
+    render_to(film, scene, settings, work)
+}
+
+/// Renders to an empty film.
+fn render_to<T>(
+    mut film: Film,
+    scene: &Scene,
+    settings: &RenderSettings,
+    work: impl FnOnce(&Rendering<'_>) -> T,
+) -> Result<(Rendered, T), RenderError> {
     let rendering = Rendering::new(scene, settings, &mut film);
+    let wanted = rendering.passes.wanted();
     let result = work(&rendering);
     let (complete, done) = (rendering.passes.complete(), rendering.passes.samples());
     let mut statistics = Statistics::default();
@@ -127,7 +160,7 @@ pub fn render_with<T>(
         sums.settle(complete)?;
         statistics.add(sums.statistics());
     }
-    let complete = done.end == settings.samples.end;
+    let complete = done.end == wanted.end;
     if !done.is_empty() {
         film.record_samples(done)?;
     }
@@ -137,16 +170,19 @@ pub fn render_with<T>(
 impl<'a> Rendering<'a> {
     fn new(scene: &'a Scene, settings: &'a RenderSettings, film: &'a mut Film) -> Self {
         let crop = settings.crop;
+        let counts = film.block_counts().map(|counts| counts.counts().to_vec());
         let tiles: Vec<_> = film
             .tiles_mut(TILE)
             .into_iter()
             .map(|base| SharedTile { rect: base.rect(), sums: Mutex::new(TileSums::new(base)) })
             .collect();
         let pixels = u64::from(TILE.min(crop.width())) * u64::from(TILE.min(crop.height()));
+        let end = |tile| counts.as_ref().map_or(u64::MAX, |counts| u64::from(counts[tile]));
+        let ends = (0..tiles.len()).map(end);
         Self {
             scene,
             settings,
-            passes: Passes::new(settings.samples.clone(), tiles.len(), pixels),
+            passes: Passes::new(settings.samples.clone(), ends, pixels),
             tiles,
             failed: AtomicBool::new(false),
             fault: Mutex::new(None),
@@ -210,7 +246,7 @@ impl<'a> Rendering<'a> {
         Ok(Some(picture))
     }
 
-    /// Samples that every pixel has so far.
+    /// Samples that every pixel has so far, of those that its block is to have.
     #[must_use]
     pub fn samples(&self) -> u64 {
         let samples = self.passes.samples();

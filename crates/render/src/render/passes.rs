@@ -17,11 +17,13 @@ const TASK_SAMPLES: u64 = 2048;
 /// Most tasks in a pass, so that their numbers and those of passes share a word.
 const MOST_TASKS: u64 = 1 << 31;
 
-/// Some samples of every pixel.
+/// Some samples of every pixel whose tile wants them.
 pub(super) struct Pass {
     /// Number of the pass, from 0.
     pub(super) index: u64,
     samples: Range<u64>,
+    /// Tiles that want any: the first ones of [`Passes::tiles`].
+    tiles: u64,
     /// Samples of each pixel in one task.
     task_samples: u64,
     tasks: u64,
@@ -54,10 +56,18 @@ pub(super) struct Task {
     pub(super) part: Part,
 }
 
+/// A tile, and the sample after the last that it wants.
+#[derive(Clone, Copy)]
+struct Wanting {
+    tile: usize,
+    end: u64,
+}
+
 /// All passes.
 pub(super) struct Passes {
     samples: Range<u64>,
-    tiles: u64,
+    /// Those that want most come first.
+    tiles: Vec<Wanting>,
     tile_pixels: u64,
     /// The next task: number of the pass in the upper half, of the task in the lower one, which runs
     /// past the number of tasks until another pass is opened. The one word that all threads write,
@@ -88,8 +98,21 @@ struct State {
 }
 
 impl Passes {
-    /// Passes over `samples` of `tiles` tiles of at most `tile_pixels` pixels.
-    pub(super) fn new(samples: Range<u64>, tiles: usize, tile_pixels: u64) -> Self {
+    /// Passes over `samples` of tiles of at most `tile_pixels` pixels, each of which wants those below
+    /// its own `end`.
+    pub(super) fn new(
+        samples: Range<u64>,
+        ends: impl Iterator<Item = u64>,
+        tile_pixels: u64,
+    ) -> Self {
+        let mut tiles: Vec<_> = ends
+            .enumerate()
+            .map(|(tile, end)| Wanting { tile, end: end.min(samples.end) })
+            .collect();
+        // Stable, so that neighbours stay together.
+        tiles.sort_by_key(|wanting| std::cmp::Reverse(wanting.end));
+        let end = tiles.first().map_or(samples.start, |most| most.end.max(samples.start));
+        let samples = samples.start..end;
         let state = State {
             open: VecDeque::new(),
             opened: 0,
@@ -100,7 +123,7 @@ impl Passes {
         };
         let passes = Self {
             samples,
-            tiles: tiles as u64,
+            tiles,
             tile_pixels,
             next: Counter::default(),
             state: Mutex::new(state),
@@ -131,16 +154,18 @@ impl Passes {
     }
 
     fn task(&self, pass: &Arc<Pass>, number: u64) -> Task {
-        let (part, tile) = (number / self.tiles, number % self.tiles);
+        let (part, place) = (number / pass.tiles, number % pass.tiles);
+        let Wanting { tile, end } = self.tiles[place as usize];
+        let wanted = |samples: Range<u64>| samples.start..samples.end.min(end).max(samples.start);
         let part = match (pass.index, part) {
-            (0, 0) => Part::Coarse(pass.samples.clone()),
-            (0, _) => Part::Rest(pass.samples.clone()),
+            (0, 0) => Part::Coarse(wanted(pass.samples.clone())),
+            (0, _) => Part::Rest(wanted(pass.samples.clone())),
             _ => {
                 let start = pass.samples.start + part * pass.task_samples;
-                Part::Whole(start..pass.samples.end.min(start + pass.task_samples))
+                Part::Whole(wanted(start..pass.samples.end.min(start + pass.task_samples)))
             }
         };
-        Task { pass: Arc::clone(pass), tile: tile as usize, part }
+        Task { pass: Arc::clone(pass), tile, part }
     }
 
     /// Opens another pass, if there are samples left.
@@ -154,19 +179,21 @@ impl Passes {
         }
         let start = state.next_sample;
         let end = self.samples.end.min(start.saturating_add(state.pass_samples));
-        if start >= end || self.tiles == 0 {
+        let tiles = self.tiles.partition_point(|wanting| wanting.end > start) as u64;
+        if start >= end || tiles == 0 {
             return false;
         }
         let count = end - start;
-        let fewest = (u128::from(count) * u128::from(self.tiles)).div_ceil(u128::from(MOST_TASKS));
+        let fewest = (u128::from(count) * u128::from(tiles)).div_ceil(u128::from(MOST_TASKS));
         let task_samples = (TASK_SAMPLES / self.tile_pixels.max(1))
             .max(1)
             .max(u64::try_from(fewest).unwrap_or(count));
         let parts = if state.opened == 0 { 2 } else { count.div_ceil(task_samples) };
-        let tasks = parts * self.tiles;
+        let tasks = parts * tiles;
         state.open.push_back(Arc::new(Pass {
             index: state.opened,
             samples: start..end,
+            tiles,
             task_samples,
             tasks,
             unfinished: AtomicU64::new(tasks),
@@ -179,7 +206,7 @@ impl Passes {
     }
 
     /// To be told when all samples of a task are in their tile; gives the samples that every pixel
-    /// has where that completes passes.
+    /// has, or all that its tile wants, where that completes passes.
     pub(super) fn done(&self, pass: &Pass) -> Option<u64> {
         if pass.unfinished.fetch_sub(1, Ordering::AcqRel) > 1 {
             return None;
@@ -200,6 +227,11 @@ impl Passes {
     /// Number of passes that are complete, with all before them.
     pub(super) fn complete(&self) -> u64 {
         self.complete.0.load(Ordering::Acquire)
+    }
+
+    /// All samples that are wanted of some tile.
+    pub(super) fn wanted(&self) -> Range<u64> {
+        self.samples.clone()
     }
 
     /// The samples of those passes.

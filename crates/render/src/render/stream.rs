@@ -8,11 +8,13 @@ use super::batch::Batch;
 use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
+use crate::description::Sampler;
 use crate::transport::seek::View;
 use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource};
 use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
 use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::sobol::sobol_numbers;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -155,9 +157,8 @@ impl<'a, 'film> Stream<'a, 'film> {
         // Backwards, as they are taken from the end.
         self.ready.extend((first..dealing.sample).rev().map(|sample| {
             let key = PathKey::new(scene.film.seed, stream, sample);
-            let [jitter_x, jitter_y, _] = numbers(key, 0);
-            let (px, py) = (f64::from(x) + f64::from(jitter_x), f64::from(y) + f64::from(jitter_y));
-            let (lens, event) = place_of_lens(scene, key);
+            let Start { jitter, lens, event } = Start::of(scene, stream, sample, key);
+            let (px, py) = (f64::from(x) + jitter[0], f64::from(y) + jitter[1]);
             let ray = scene.camera.ray(px, py, lens);
             // Such a path would be taken for one in air.
             if may_start_in_ice && scene.world.grid.is_inside_grain(ray.origin) {
@@ -271,14 +272,33 @@ impl<'a, 'film> Stream<'a, 'film> {
     }
 }
 
-/// The place of the lens where a path begins, and the next event of its random numbers: only a lens
-/// that has a size takes one.
-fn place_of_lens(scene: &Scene, key: PathKey) -> ([f64; 2], u32) {
-    if !scene.camera.has_lens() {
-        return ([0.5; 2], 1);
+/// Where a path begins.
+struct Start {
+    /// Place in its pixel, 0 to 1.
+    jitter: [f64; 2],
+    /// Place on the lens; the middle of one without size.
+    lens: [f64; 2],
+    /// Next event of its random numbers.
+    event: u32,
+}
+
+impl Start {
+    /// Of a sample of a pixel. Of independent numbers, only a lens that has a size takes an event.
+    fn of(scene: &Scene, stream: u64, sample: u64, key: PathKey) -> Self {
+        let has_lens = scene.camera.has_lens();
+        let (jitter, lens, event) = match scene.film.sampler {
+            Sampler::Independent => {
+                let [x, y, _] = numbers(key, 0);
+                let [u, v, _] = if has_lens { numbers(key, 1) } else { [0.5; 3] };
+                ([x, y], [u, v], if has_lens { 2 } else { 1 })
+            }
+            Sampler::Sobol => {
+                let [x, y, u, v] = sobol_numbers(scene.film.seed, stream, sample);
+                ([x, y], if has_lens { [u, v] } else { [0.5; 2] }, 1)
+            }
+        };
+        Self { jitter: jitter.map(f64::from), lens: lens.map(f64::from), event }
     }
-    let [u, v, _] = numbers(key, 1);
-    ([f64::from(u), f64::from(v)], 2)
 }
 
 /// A path as a sample of this radiance.

@@ -11,7 +11,7 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
 };
 use snowgrain_render::description::{
-    Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection,
+    Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection, Sampler,
     SceneDescription, SnowDescription,
 };
 use std::path::Path;
@@ -39,6 +39,7 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!(scene.ice.absorption, Absorption::Measured(IceAbsorption::Picard2016));
     assert!(scene.ice.impurities.is_empty());
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::Srgb, false));
+    assert_eq!(scene.film.sampler, Sampler::Independent);
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Sky, [1.0; 3])]);
     assert_eq!(scene.objects[0].name, "object.0");
     assert_eq!(scene.objects[0].albedo, [0.5; 3]);
@@ -64,6 +65,7 @@ fn colours_of_ice_light_and_film_arrive() {
             "ice.impurities={ black-carbon = \"200 ppb\", snow-algae = \"1e4 cells/mL\" }",
             "light.spectrum=equal-energy",
             "film.primaries=acescg",
+            "film.sampler=sobol",
             "film.keep=[\"ice-paths\"]",
         ],
     )
@@ -76,6 +78,7 @@ fn colours_of_ice_light_and_film_arrive() {
     assert_eq!(scene.ice.impurities, expected);
     assert_eq!(scene.lights[0].spectrum, Illuminant::EqualEnergy);
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::AcesCg, true));
+    assert_eq!(scene.film.sampler, Sampler::Sobol);
     assert_eq!(read(LEAST, &["ice.absorption=2"]).unwrap().ice.absorption, Absorption::Grey(2.0));
 }
 
