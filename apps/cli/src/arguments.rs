@@ -77,7 +77,7 @@ pub(crate) struct SceneArguments {
     pub(crate) scene: PathBuf,
 
     /// Changes a key of the scene, as snow.0.radius=0.3mm, or snow.radius=0.3mm where there is one
-    /// snow; repeatable
+    /// snow; adds to a list by +=, as film.keep+=ice-paths; repeatable
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) overrides: Vec<String>,
 

@@ -161,14 +161,10 @@ fn shot_alone(
     }
 }
 
-/// What of a shot does not show in the picture, one line each.
-fn passed_over(path: &Path, shot: &ImportedScene) -> Vec<String> {
+/// What of a shot does not show in the picture, in one line.
+fn passed_over(path: &Path, shot: &ImportedScene) -> Option<String> {
     let file = path.display();
-    let lights = shot.lights.len();
-    let lights = (lights > 0)
-        .then(|| format!("{file}: {lights} lights are not taken over; [[light]] says what shines"));
-    let others = shot.ignored.as_ref().map(|line| format!("{file}: passed over: {line}"));
-    lights.into_iter().chain(others).collect()
+    shot.ignored.as_ref().map(|line| format!("{file}: passed over: {line}"))
 }
 
 /// The mesh given as SCENE.

@@ -77,7 +77,7 @@ pub(crate) struct RenderArguments {
     #[arg(long)]
     pub(crate) furnace: bool,
 
-    /// What .film files keep beside the picture: ice-paths (each pixel's light by length in ice, with
+    /// What .film files keep beside the picture and what the scene says: ice-paths (each pixel's light by length in ice, with
     /// which develop can change ice and impurities; 768 bytes a pixel) or light-groups (the light of each
     /// group of lights, which develop can mix; 48 bytes a pixel for each); repeatable
     #[arg(long, value_name = "WHAT", value_parser = ["ice-paths", "light-groups"])]

@@ -138,12 +138,9 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     if let Some(packing) = &arguments.packing {
         changes.push(format!("integrator.packing={packing}"));
     }
-    let mut keep: Vec<&str> = arguments.keep.iter().map(String::as_str).collect();
-    if arguments.wavelengths.is_some() {
-        keep.push("ice-paths");
-    }
-    if !keep.is_empty() {
-        changes.push(format!("film.keep={keep:?}"));
+    let for_wavelengths = arguments.wavelengths.as_ref().map(|_| "ice-paths");
+    for keep in arguments.keep.iter().map(String::as_str).chain(for_wavelengths) {
+        changes.push(format!("film.keep+={keep}"));
     }
     let mut loaded = load::load(&arguments.scene, changes)?;
     for line in &loaded.assumptions {

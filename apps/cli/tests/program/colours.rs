@@ -2,6 +2,7 @@
 
 use crate::Workplace;
 use snowgrain_formats::image::read_picture;
+use snowgrain_formats::read_film;
 
 /// A small scene whose film keeps ice paths.
 const RENDER: [&str; 9] = [
@@ -56,11 +57,29 @@ fn light_is_kept_by_group() {
     assert_eq!(place.run(&[&RENDER[..], &kept].concat()).code, Some(0));
     for name in ["a.exr", "a.film"] {
         let picture = read_picture(&place.path(name)).unwrap();
-        let [main] = picture.light_layers.as_slice() else { panic!("{name}") };
-        assert_eq!(main.name, "main");
-        assert_eq!(main.values.each_ref().map(Vec::as_slice), picture.colour().unwrap());
+        let colour = picture.colour().unwrap().map(<[f32]>::to_vec);
+        let mut layers = picture.light_layers;
+        layers.sort_by(|a, b| a.name.cmp(&b.name));
+        let [backdrop, sky] = layers.as_slice() else { panic!("{name}") };
+        assert_eq!((&*sky.name, &*backdrop.name), ("sky", "backdrop"));
+        for (channel, whole) in colour.iter().enumerate() {
+            let parts = sky.values[channel].iter().zip(&backdrop.values[channel]);
+            assert!(parts.zip(whole).all(|((a, b), sum)| (a + b - sum).abs() <= 1e-6 * sum));
+        }
         assert_eq!(picture.vertical_fov_degrees.map(f64::round), Some(28.0));
     }
+}
+
+#[test]
+fn what_is_kept_is_kept_beside_what_the_scene_keeps() {
+    let place = Workplace::new();
+    let scene = ["--set", "film.keep=[\"light-groups\"]"];
+    let wavelengths = ["--wavelengths", "450,550", "-o", "a.film", "-o", "a.exr"];
+    place.succeed(&[&RENDER[..], &scene, &wavelengths].concat());
+    let film = read_film(&place.path("a.film")).unwrap();
+    assert!(film.ice_paths().is_some() && film.light_layers().is_some());
+    place.succeed(&[&RENDER[..], &scene, &["--keep", "ice-paths", "-o", "b.film"]].concat());
+    assert_eq!(place.bytes("a.film"), place.bytes("b.film"));
 }
 
 #[test]

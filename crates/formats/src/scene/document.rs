@@ -24,7 +24,7 @@ pub struct SceneDocument {
     /// The picture.
     #[serde(default)]
     pub film: FilmTable,
-    /// A shot made elsewhere, of which objects and camera are taken over.
+    /// A shot made elsewhere, of which objects, camera and lights are taken over.
     #[serde(default)]
     pub import: Option<ImportTable>,
     /// The camera; may be left out where `import` has one.
@@ -33,7 +33,7 @@ pub struct SceneDocument {
     /// The ice that grains are made of.
     #[serde(default)]
     pub ice: IceTable,
-    /// The lights; their radiances add. At least one, or an object with `emission`.
+    /// The lights; their radiances add. At least one, or an object with `emission`, or a light of `import`.
     #[serde(default)]
     pub light: Vec<LightTable>,
     /// Solid diffuse objects.

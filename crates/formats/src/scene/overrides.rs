@@ -1,4 +1,4 @@
-//! `--set path=value`: changes to a scene before it is read.
+//! `--set path=value`: changes to a scene before it is read; `--set path+=value` adds to a list.
 
 use super::SceneError;
 use super::keys::{self, Key, KeyShape};
@@ -10,7 +10,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 /// Applies `assignment`, which starts at byte `start` of the scene's text.
 ///
 /// The path is dotted, `snow.0.radius`, or `snow.radius` where there is one snow; the value is
-/// TOML, or a bare string.
+/// TOML, or a bare string. With `+=` it is one more item of a list.
 pub(super) fn apply<'i>(
     table: &mut DeTable<'i>,
     known: &[Key],
@@ -23,9 +23,54 @@ pub(super) fn apply<'i>(
         .ok_or_else(|| refuse("write path=value, as snow.0.radius=0.3mm".into()))?;
     let value_start = start + path.len() + 1;
     let value = read_value(value, value_start);
+    let (path, change) = match path.trim_end().strip_suffix('+') {
+        Some(path) => (path, Change::Add(value)),
+        None => (path, Change::Set(value)),
+    };
     let segments: Vec<&str> = path.trim().split('.').map(str::trim).collect();
     let span = start..start + path.len();
-    set_in_table(table, known, "", &segments, &span, value).map_err(refuse)
+    set_in_table(table, known, "", &segments, &span, change).map_err(refuse)
+}
+
+/// What becomes of a key.
+enum Change<'i> {
+    /// It has this value.
+    Set(Spanned<DeValue<'i>>),
+    /// It is a list, and this is one more item of it.
+    Add(Spanned<DeValue<'i>>),
+}
+
+impl<'i> Change<'i> {
+    /// Makes it at `name` of a table, which messages call `path`.
+    fn make(
+        self,
+        table: &mut DeTable<'i>,
+        name: Spanned<Cow<'i, str>>,
+        path: &str,
+    ) -> Result<(), String> {
+        match self {
+            Self::Set(value) => {
+                table.insert(name, value);
+            }
+            Self::Add(value) => {
+                let empty = || Spanned::new(value.span(), DeValue::Array(DeArray::new()));
+                let DeValue::Array(items) = table.entry(name).or_insert_with(empty).get_mut()
+                else {
+                    return Err(format!("{path} is not a list; write {path}=value"));
+                };
+                items.push(value);
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of an item, whose list messages call `path`.
+    fn value(self, path: &str) -> Result<Spanned<DeValue<'i>>, String> {
+        match self {
+            Self::Set(value) => Ok(value),
+            Self::Add(_) => Err(format!("+= adds to a list; write {path}+=value")),
+        }
+    }
 }
 
 /// The text as a TOML value, else as a string.
@@ -68,7 +113,7 @@ fn set_in_table<'i>(
     prefix: &str,
     segments: &[&'i str],
     span: &Range<usize>,
-    value: Spanned<DeValue<'i>>,
+    change: Change<'i>,
 ) -> Result<(), String> {
     let (name, rest) = (segments[0], &segments[1..]);
     let key = keys::find(known, name).ok_or_else(|| {
@@ -77,30 +122,29 @@ fn set_in_table<'i>(
     let path = format!("{prefix}{name}");
     let spanned_name = || Spanned::new(span.clone(), Cow::Borrowed(name));
     if rest.is_empty() {
-        table.insert(spanned_name(), value);
-        return Ok(());
+        return change.make(table, spanned_name(), &path);
     }
     let absent = match key.shape {
-        KeyShape::Leaf => return set_item(table.get_mut(name), &path, rest, value),
+        KeyShape::Leaf => return set_item(table.get_mut(name), &path, rest, change),
         KeyShape::Table(_) => DeValue::Table(DeTable::new()),
         KeyShape::List(_) => DeValue::Array(DeArray::new()),
     };
     let entry = table.entry(spanned_name()).or_insert_with(|| Spanned::new(span.clone(), absent));
     match (&key.shape, entry.get_mut()) {
         (KeyShape::Table(inner), DeValue::Table(inside)) => {
-            set_in_table(inside, inner, &format!("{path}."), rest, span, value)
+            set_in_table(inside, inner, &format!("{path}."), rest, span, change)
         }
         (KeyShape::List(inner), DeValue::Array(items)) => {
             let (index, rest) = choose(items.len(), &path, rest)?;
             let item = &mut items.as_mut()[index];
             if rest.is_empty() {
-                *item = value;
+                *item = change.value(&path)?;
                 return Ok(());
             }
             let DeValue::Table(inside) = item.get_mut() else {
                 return Err(format!("{path}.{index} is not a table"));
             };
-            set_in_table(inside, inner, &format!("{path}.{index}."), rest, span, value)
+            set_in_table(inside, inner, &format!("{path}.{index}."), rest, span, change)
         }
         _ => Err(format!("{path} holds no {}", rest.join("."))),
     }
@@ -111,7 +155,7 @@ fn set_item<'i>(
     list: Option<&mut Spanned<DeValue<'i>>>,
     path: &str,
     rest: &[&str],
-    value: Spanned<DeValue<'i>>,
+    change: Change<'i>,
 ) -> Result<(), String> {
     let list = list.ok_or_else(|| format!("{path} is not written; give the whole of it"))?;
     let slot = match (list.get_mut(), rest) {
@@ -120,7 +164,7 @@ fn set_item<'i>(
         }
         _ => None,
     };
-    *slot.ok_or_else(|| format!("{path} has no item {}", rest.join(".")))? = value;
+    *slot.ok_or_else(|| format!("{path} has no item {}", rest.join(".")))? = change.value(path)?;
     Ok(())
 }
 

@@ -79,8 +79,8 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let film = film(&checks)?;
     let written_camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
-    let mut lights = lights::lights(&checks, environment)?;
     let shot = import::import(&checks, import)?;
+    let mut lights = lights::lights(&checks, shot.lights, environment)?;
     let no_camera =
         || checks.missing("camera", "add [camera] with from = [0, 1, 3], at = [0, 0, 0]");
     let camera = written_camera.or(shot.camera).ok_or_else(no_camera)?;
@@ -96,7 +96,6 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let integrator = match file.document.integrator.kind {
         IntegratorName::Grains => IntegratorKind::Grains,
     };
-    lights::refuse_points(&checks, integrator)?;
     let packing = file.document.integrator.packing.map(|name| match name {
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
@@ -109,6 +108,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         LightFindingName::Auto | LightFindingName::Sampled => LightFinding::Sampled,
         LightFindingName::AllSampled => LightFinding::AllSampled,
     };
+    lights::refuse_points(&checks, &lights, light_finding)?;
     Ok(SceneDescription {
         film,
         camera,
@@ -219,6 +219,7 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.ice = IceDescription { pores: scene.ice.pores, ..IceDescription::clear(scene.ice.ior) };
     scene.strata = Strata::default();
     scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
+    scene.light_finding = LightFinding::Exact;
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.albedo = [1.0; 3];

@@ -1,11 +1,15 @@
 //! A scene for a shot that comes with its camera: the objects stay where they are, snow falls on all of
-//! them from an overcast sky, and the shot's first camera looks on.
+//! them, and the shot's first camera looks on. The shot's lights shine at a strength that suits the
+//! picture; without any, the sky is overcast.
 
 use super::mesh_scene::{
     MeshScene, SNOW_DEPTH_TO_SIZE, VARIATION_TO_RADIUS, grain_radius, rounded,
 };
-use crate::gltf::{ImportedCamera, ImportedProjection, ImportedScene};
-use snowgrain_math::DVec3;
+use crate::gltf::{
+    ImportedCamera, ImportedLight, ImportedLightKind, ImportedProjection, ImportedScene,
+};
+use snowgrain_math::{Aabb, DVec3};
+use std::f64::consts::PI;
 
 /// Pixels down of the picture.
 const HEIGHT: f64 = 512.0;
@@ -19,7 +23,7 @@ pub fn scene_for_shot(file: &str, shot: &ImportedScene) -> Option<MeshScene> {
     let size = bounds.size();
     let depth = SNOW_DEPTH_TO_SIZE * size.max_element();
     let radius = rounded(grain_radius(size.x.max(depth) * size.z.max(depth) * depth) * 1e3);
-    let assumptions = vec![
+    let mut assumptions = vec![
         format!(
             "camera {:?} of the file; {:.4} x {:.4} x {:.4} m",
             camera.name, size.x, size.y, size.z
@@ -32,6 +36,19 @@ pub fn scene_for_shot(file: &str, shot: &ImportedScene) -> Option<MeshScene> {
     ];
     let variation = rounded(radius * VARIATION_TO_RADIUS);
     let file = toml::Value::from(file).to_string();
+    let factor = light_strength(&shot.lights, &bounds);
+    let (strength, sky) = match factor {
+        None => (String::new(), SKY),
+        Some(factor) => {
+            assumptions.push(format!(
+                "light: {} lights of the file, times {factor:.3e}, so that white in the middle has \
+                 radiance 1; --set import.light_strength=... says otherwise, and --set \
+                 'light+={{kind=\"sky\"}}' adds a sky",
+                shot.lights.len()
+            ));
+            (format!("light_strength = {factor:e}\n"), "")
+        }
+    };
     let width = (HEIGHT * camera.aspect.unwrap_or(1.0)).round().clamp(1.0, 65_536.0);
     let toml = format!(
         r#"# Made for a shot that came alone; change what you like. Lengths in metres or like "5 mm"; y is up.
@@ -45,14 +62,9 @@ seed = 0
 
 [import]
 file = {file}
-
+{strength}
 {camera}
-[[light]]                        # overcast; the camera sees the backdrop instead
-kind = "sky"
-radiance = 1.25
-visible_to_camera = false
-
-[[snow]]
+{sky}[[snow]]
 source = "deposit"
 rule = "ray"
 grains = 1_000_000
@@ -63,6 +75,35 @@ max_slope = 80.0
         camera = write_camera(camera, bounds.center()),
     );
     Some(MeshScene { toml, assumptions })
+}
+
+/// Where the shot has no light.
+const SKY: &str = r#"[[light]]                        # overcast; the camera sees the backdrop instead
+kind = "sky"
+radiance = 1.25
+visible_to_camera = false
+
+"#;
+
+/// The factor with which all lights together give white that faces each of them in the middle of the objects
+/// the radiance 1; points are taken to be at least half as far as the objects reach. `None` where nothing
+/// shines.
+fn light_strength(lights: &[ImportedLight], objects: &Aabb) -> Option<f64> {
+    let nearest = 0.5 * objects.size().length();
+    let illuminance = |light: &ImportedLight| {
+        let of_point = |position: DVec3, candela: f64| {
+            let distance = position.distance(objects.center()).max(nearest);
+            candela / (distance * distance)
+        };
+        let lux = match light.kind {
+            ImportedLightKind::Directional { lux, .. } => lux,
+            ImportedLightKind::Point { position, candela }
+            | ImportedLightKind::Spot { position, candela, .. } => of_point(position, candela),
+        };
+        lux * f64::from(light.colour.into_iter().fold(0.0, f32::max))
+    };
+    let factor = PI / lights.iter().map(illuminance).sum::<f64>();
+    (factor > 0.0 && factor.is_finite()).then_some(factor)
 }
 
 /// The camera, looking at where the middle of the objects is nearest to its line of sight.

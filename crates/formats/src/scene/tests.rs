@@ -7,7 +7,8 @@ mod refused;
 
 use super::{LoadError, Loader, SceneError, SceneFile, resolve};
 use crate::gltf::{
-    ImportedCamera, ImportedMaterial, ImportedObject, ImportedProjection, ImportedScene,
+    ImportedCamera, ImportedLight, ImportedLightKind, ImportedMaterial, ImportedObject,
+    ImportedProjection, ImportedScene,
 };
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
@@ -65,6 +66,25 @@ fn shot() -> ImportedScene {
     }
 }
 
+/// The same under a sun, a bulb and a torch.
+fn lit_shot() -> ImportedScene {
+    let light = |name: &str, colour, kind| ImportedLight { name: name.into(), colour, kind };
+    let (direction, position) = (DVec3::NEG_Y, DVec3::new(0.0, 3.0, 0.5));
+    let torch = ImportedLightKind::Spot {
+        position,
+        direction,
+        candela: 50.0,
+        inner_radians: 0.0,
+        outer_radians: 0.5,
+    };
+    let lights = vec![
+        light("sun", [1.0, 0.9, 0.8], ImportedLightKind::Directional { direction, lux: 1e5 }),
+        light("bulb", [1.0; 3], ImportedLightKind::Point { position, candela: 100.0 }),
+        light("torch", [0.5; 3], torch),
+    ];
+    ImportedScene { lights, ..shot() }
+}
+
 fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
     let read_mesh = |path: &Path| match path.to_str() {
         Some("folder/model.obj") => Ok(triangle()),
@@ -77,6 +97,7 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
     };
     let read_import = |path: &Path| match path.to_str() {
         Some("folder/shot.glb") => Ok(shot()),
+        Some("folder/lit.glb") => Ok(lit_shot()),
         _ => Err(LoadError::from("no such file")),
     };
     let loader = Loader {

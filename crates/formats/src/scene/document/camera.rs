@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A glTF 2.0 file whose objects are taken over, each with its base colour for albedo, before those of
-/// `object`. All of it is scaled, then rotated, then translated.
+/// `object`, and whose lights are, after those of `light`. All of it is scaled, then rotated, then translated.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ImportTable {
@@ -16,6 +16,10 @@ pub struct ImportTable {
     /// Name of the camera that is taken where there is no `[camera]`: a string; default the first.
     #[serde(default)]
     pub camera: Option<String>,
+    /// Factor on the lights of the file, whose lux and candela are taken for radiances in cd/m^2: one number
+    /// or [r, g, b], at least 0; default 1.
+    #[serde(default)]
+    pub light_strength: Option<Triple>,
     /// Scale: one number or [x, y, z], none of them 0; default 1.
     #[serde(default = "one")]
     pub scale: Triple,

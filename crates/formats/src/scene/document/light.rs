@@ -76,8 +76,8 @@ pub struct LightTable {
     /// Where a point stands: [x, y, z], lengths; point, spot.
     #[serde(default)]
     pub position: Option<[Length; 3]>,
-    /// Intensity, of a spot along its axis: radiance times square metres, one number or [r, g, b], at least
-    /// 0; default 1; point, spot.
+    /// Intensity, of a spot along its axis: radiance times square metres (candela, where radiances are in
+    /// cd/m^2), one number or [r, g, b], at least 0; default 1; point, spot.
     #[serde(default)]
     pub intensity: Option<Triple>,
     /// Along the axis of a spot: [x, y, z], any length above 0; default [0, -1, 0]; spot.

@@ -1,5 +1,7 @@
 //! What `[import]` means.
 
+mod lights;
+
 use super::super::SceneError;
 use super::super::document::ImportTable;
 use super::ReadImport;
@@ -8,7 +10,7 @@ use super::objects::{Placement, check_reach, transform};
 use crate::gltf::{ImportedCamera, ImportedProjection, ImportedScene};
 use snowgrain_math::DAffine3;
 use snowgrain_render::description::{
-    CameraDescription, ObjectDescription, ObjectShape, Projection,
+    CameraDescription, LightDescription, ObjectDescription, ObjectShape, Projection,
 };
 
 /// What a shot gives to a scene.
@@ -16,6 +18,7 @@ use snowgrain_render::description::{
 pub(super) struct Import {
     pub(super) objects: Vec<ObjectDescription>,
     pub(super) camera: Option<CameraDescription>,
+    pub(super) lights: Vec<LightDescription>,
 }
 
 pub(super) fn import(checks: &Checks<'_>, read: &mut ReadImport<'_>) -> Result<Import, SceneError> {
@@ -33,7 +36,8 @@ pub(super) fn import(checks: &Checks<'_>, read: &mut ReadImport<'_>) -> Result<I
         (None, true) => None,
         (_, false) => camera(checks, table, &shot, &moved)?,
     };
-    Ok(Import { objects: objects(checks, shot, &moved)?, camera })
+    let lights = lights::lights(checks, table, &shot.lights, &moved)?;
+    Ok(Import { objects: objects(checks, shot, &moved)?, camera, lights })
 }
 
 fn objects(

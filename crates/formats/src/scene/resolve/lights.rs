@@ -11,7 +11,7 @@ use clear_day::ClearDay;
 use core::ops::Range;
 use snowgrain_math::DVec3;
 use snowgrain_optics::Illuminant;
-use snowgrain_render::description::{IntegratorKind, LightDescription, LightKind};
+use snowgrain_render::description::{LightDescription, LightFinding, LightKind};
 use std::sync::Arc;
 
 /// Sine of the angle between edges up to which they are parallel.
@@ -48,13 +48,15 @@ fn keys_of(kind: LightKindName) -> &'static [&'static str] {
     }
 }
 
+/// The lights of `[[light]]`, then those of the shot.
 pub(super) fn lights(
     checks: &Checks<'_>,
+    of_shot: Vec<LightDescription>,
     read_environment: &mut ReadEnvironment<'_>,
 ) -> Result<Vec<LightDescription>, SceneError> {
     let tables = &checks.document().light;
     let emits = checks.document().object.iter().any(|object| object.emission.is_some());
-    if tables.is_empty() && !emits {
+    if tables.is_empty() && of_shot.is_empty() && !emits {
         let mend = "the picture would be black; add [[light]] with kind = \"sky\"";
         return Err(checks.missing("light", mend));
     }
@@ -65,6 +67,7 @@ pub(super) fn lights(
         check_group(checks, &light.key("group"), table.group.as_deref())?;
         lights.extend(light.describe(read_environment)?);
     }
+    lights.extend(of_shot);
     Ok(lights)
 }
 
@@ -111,19 +114,19 @@ pub(super) fn of_objects(
 /// Refuses points, which no path meets, where light is only met.
 pub(super) fn refuse_points(
     checks: &Checks<'_>,
-    integrator: IntegratorKind,
+    lights: &[LightDescription],
+    finding: LightFinding,
 ) -> Result<(), SceneError> {
-    let IntegratorKind::Grains = integrator;
-    let is_point =
-        |light: &LightTable| matches!(light.kind, LightKindName::Point | LightKindName::Spot);
-    match checks.document().light.iter().position(is_point) {
-        Some(index) => {
-            let mend = "no path meets a point, and integrator.kind = \"grains\" finds only light that paths \
-                        meet; use kind = \"sphere\" with a small radius";
-            Err(checks.bad(&format!("light.{index}.kind"), mend))
-        }
-        None => Ok(()),
+    let looks = match finding {
+        LightFinding::Exact => false,
+        LightFinding::Sampled | LightFinding::AllSampled => true,
+    };
+    if looks || !lights.iter().any(|light| light.kind.is_point()) {
+        return Ok(());
     }
+    let mend = "no path meets a light of kind \"point\" or \"spot\"; leave this out, or use kind = \"sphere\" \
+                with a small radius";
+    Err(checks.bad("integrator.light", mend))
 }
 
 fn check_group(checks: &Checks<'_>, key: &str, group: Option<&str>) -> Result<(), SceneError> {

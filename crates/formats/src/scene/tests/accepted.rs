@@ -141,15 +141,20 @@ fn overrides_change_and_add_values() {
             "light.0={kind=\"uniform\", radiance=[1, 2, 3]}",
             "object.name=a ball",
             "film.width=65",
+            "film.keep+=ice-paths",
+            "film.keep += \"light-groups\"",
+            "light+={kind=\"sky\"}",
         ],
     )
     .unwrap();
+    assert!(scene.film.keep_ice_paths && scene.film.keep_light_groups);
     assert_eq!(deposit(&scene).radii.mean, 0.0003);
     assert_eq!(deposit(&scene).seed, 5);
     assert_eq!(scene.film.width, 65);
     assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
     assert_eq!(scene.objects[0].name, "a ball");
-    assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0, 2.0, 3.0])]);
+    let uniform = LightDescription::new(LightKind::Uniform, [1.0, 2.0, 3.0]);
+    assert_eq!(scene.lights, [uniform, LightDescription::new(LightKind::Sky, [1.0; 3])]);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! What `[[light]]` and `emission` mean, and what is refused of them.
 
-use super::{LEAST, read, refusal};
+use super::{LEAST, lit_shot, read, refusal, shot};
+use crate::scene::scene_for_shot;
 use snowgrain_math::{DVec3, trig};
 use snowgrain_optics::{Illuminant, SunZenith};
-use snowgrain_render::description::LightKind;
-use snowgrain_render::light::direction_of;
+use snowgrain_render::description::{LightFinding, LightKind};
+use snowgrain_render::light::{direction_of, irradiance_of_disc};
 use std::f64::consts::PI;
 
 /// The refusal of the least scene where `line` replaces `old`.
@@ -174,10 +175,6 @@ fn lights_that_cannot_shine_are_refused() {
             "light.0.edges = [[1, 1, 0], [2, 2, 0]]: the edges are parallel or 0",
         ),
         ("kind = \"quad\"\ncorner = [0, 1, 0]\nedges = [[0, 0, 0], [1, 0, 0]]", "parallel or 0"),
-        (
-            "kind = \"point\"\nposition = [0, 1, 0]",
-            "light.0.kind = \"point\": no path meets a point",
-        ),
         ("kind = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 0, 0]", "must not be zero"),
         (
             "kind = \"spot\"\nposition = [0, 1, 0]\ninner_angle = 40",
@@ -192,6 +189,71 @@ fn lights_that_cannot_shine_are_refused() {
         let message = light(lines);
         assert!(message.contains(expected), "{message}");
     }
+}
+
+/// A scene that has no light but those of its shot.
+const SHOT: &str = "version = 1\n[import]\nfile = \"lit.glb\"\nscale = 2\nrotate = [0, 0, 90]\n";
+
+#[test]
+fn lights_of_a_shot_shine_in_lux_and_candela() {
+    let scene = read(SHOT, &["light+={kind=\"sky\"}"]).unwrap();
+    assert_eq!(scene.light_finding, LightFinding::Sampled);
+    let [sky, sun, bulb, torch] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert_eq!(sky.kind, LightKind::Sky, "those of the scene come first");
+    let LightKind::Sun { direction, diameter_degrees } = sun.kind else { panic!("{sun:?}") };
+    // It came from above, and all was turned about z by a quarter.
+    assert!((direction - DVec3::NEG_X).length() < 1e-12 && diameter_degrees == 0.533);
+    let lux = sun.strength.map(|x| f64::from(x) * irradiance_of_disc(diameter_degrees));
+    assert!((0..3).all(|c| (lux[c] / [1e5, 0.9e5, 0.8e5][c] - 1.0).abs() < 1e-6), "{lux:?}");
+    assert!(!sun.visible_to_camera);
+    let LightKind::Point { position } = bulb.kind else { panic!("{bulb:?}") };
+    let moved = DVec3::new(-6.0, 0.0, 1.0);
+    assert!((position - moved).length() < 1e-12, "{position}");
+    assert_eq!(bulb.strength, [100.0; 3]);
+    let LightKind::Spot { position, direction, inner_degrees, outer_degrees } = torch.kind else {
+        panic!("{torch:?}")
+    };
+    assert!((position - moved).length() < 1e-12 && (direction - DVec3::X).length() < 1e-12);
+    assert_eq!((inner_degrees, outer_degrees), (0.0, 0.5f64.to_degrees()));
+    assert_eq!(torch.strength, [25.0; 3]);
+    let groups = scene.lights.iter().map(|light| &*light.group);
+    assert!(groups.eq(["sky", "sun", "lamps", "lamps"]));
+    let dim = read(SHOT, &["import.light_strength=[1, 0.5, 0]"]).unwrap();
+    assert_eq!(dim.lights[1].strength, [100.0, 50.0, 0.0], "the shot's lights are light enough");
+    assert!(refusal(SHOT, &["import.file=shot.glb"]).contains("light is missing"));
+    assert!(refusal(SHOT, &["import.light_strength=-1"]).contains("must be finite and not neg"));
+    let bright = refusal(SHOT, &["import.light_strength=1e38"]);
+    assert!(bright.contains("the light \"sun\" is too far or too bright"), "{bright}");
+}
+
+#[test]
+fn points_are_refused_only_where_light_is_not_looked_for() {
+    let point = under("kind = \"point\"\nposition = [0, 1, 0]");
+    let expected = "integrator.light = exact: no path meets a light of kind \"point\" or \"spot\"";
+    for text in [&*point, SHOT] {
+        for finding in ["auto", "sampled", "all-sampled"] {
+            let set = format!("integrator.light={finding}");
+            assert_ne!(read(text, &[&set]).unwrap().light_finding, LightFinding::Exact);
+        }
+        let refused = refusal(text, &["integrator.light=exact"]);
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
+fn a_shot_alone_is_lit_by_its_own_lights_or_the_sky() {
+    let made = scene_for_shot("lit.glb", &lit_shot()).unwrap();
+    let scene = read(&made.toml, &[]).unwrap();
+    let kinds: Vec<_> = scene.lights.iter().map(|light| &*light.group).collect();
+    assert_eq!(kinds, ["sun", "lamps", "lamps"]);
+    // White that faces the lights in the middle of the objects, at (.5, .25, .5).
+    let sun = f64::from(scene.lights[0].strength[0]) * irradiance_of_disc(0.533);
+    let lamps = f64::from(scene.lights[1].strength[0] + scene.lights[2].strength[0]);
+    let radiance = (sun + lamps / (0.25 + 2.75 * 2.75)) / PI;
+    assert!((radiance - 1.0).abs() < 1e-6, "{radiance}");
+    assert!(made.assumptions.iter().any(|line| line.contains("3 lights of the file")));
+    let made = scene_for_shot("shot.glb", &shot()).unwrap();
+    assert_eq!(read(&made.toml, &[]).unwrap().lights[0].kind, LightKind::Sky);
 }
 
 #[test]

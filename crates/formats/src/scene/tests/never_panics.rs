@@ -56,7 +56,7 @@ proptest! {
     }
 
     #[test]
-    fn on_arbitrary_overrides(assignment in "[a-z0-9._ ]{0,20}=?\\PC{0,20}") {
+    fn on_arbitrary_overrides(assignment in "[a-z0-9._ ]{0,20}\\+?=?\\PC{0,20}") {
         survive(builtin_scenes()[0].toml.as_bytes(), &[assignment]);
     }
 

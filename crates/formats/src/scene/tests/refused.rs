@@ -418,6 +418,9 @@ fn overrides_that_fit_nowhere_are_refused() {
     );
     assert_eq!(set("camera.at.3=1"), "--set camera.at.3=1: camera.at has no item 3");
     assert!(set("=1").contains("unknown key ;"), "{}", set("=1"));
+    assert_eq!(set("version+=1"), "--set version+=1: version is not a list; write version=value");
+    assert!(set("camera.at.1+=1").ends_with("+= adds to a list; write camera.at+=value"));
+    assert!(set("film.keep+=fog").contains("film.keep"), "{}", set("film.keep+=fog"));
     assert!(set("..=1").contains("unknown key"));
     assert!(set("a\nb=1").contains("write it on one line"));
     let two = format!("{LEAST}[[snow]]\nsource = \"deposit\"\n");
