@@ -337,7 +337,7 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-        LightFinding, LightKind, Projection,
+        LightFinding, LightKind, Projection, Surface,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -372,7 +372,7 @@ mod tests {
         ObjectDescription {
             name: "table".into(),
             shape: ObjectShape::Box,
-            albedo: [0.5; 3],
+            surface: Surface::diffuse([0.5; 3]),
             transform: DAffine3::from_scale(DVec3::new(0.05, 0.01, 0.05)),
         }
     }

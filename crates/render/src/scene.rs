@@ -5,6 +5,7 @@ use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescri
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
+use crate::surface::Material;
 use crate::transport::seek::{LightSearch, Sought};
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
@@ -69,8 +70,9 @@ pub struct Scene {
     pub lights: Lights,
     /// What turns lengths in ice into colours.
     pub grade: Grade,
-    /// The layers of light that the film keeps, if it keeps any, and which of them is that of glints.
+    /// The layers of light that the film keeps, if it keeps any.
     pub light_layers: Option<LightLayerNames>,
+    /// Which of the layers is that of glints.
     pub glint_layer: Option<usize>,
     /// The colours of each slot of the lights after any length in ice.
     pub colours: Vec<IceColour>,
@@ -133,7 +135,7 @@ impl Scene {
         let world = World {
             grid,
             surfaces,
-            albedos: description.objects.iter().map(|object| object.albedo).collect(),
+            materials: materials(description, &lit),
             emitters: lit.emitters,
             eta: description.ice.eta(),
         };
@@ -180,6 +182,15 @@ impl Scene {
             && starts.min.cmple(grains.max).all()
             && starts.max.cmpge(grains.min).all()
     }
+}
+
+/// What the objects of a scene do to light, in their order.
+fn materials(description: &SceneDescription, lit: &LitSurfaces) -> Vec<Material> {
+    let surroundings = description.ice.pores.ior();
+    let objects = description.objects.iter().zip(&lit.shapes);
+    objects
+        .map(|(object, place)| Material::new(object.surface.clone(), place, surroundings))
+        .collect()
 }
 
 /// What turns lengths in ice into colours in this scene.

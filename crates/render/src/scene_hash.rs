@@ -3,7 +3,7 @@
 use crate::Strata;
 use crate::description::{
     Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
-    Projection, SceneDescription,
+    Projection, SceneDescription, Surface,
 };
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
@@ -97,12 +97,27 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
         if let ObjectShape::Mesh(mesh) = &object.shape {
             hash.0.update(meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| mesh_digest(mesh)));
         }
-        hash.floats(&object.albedo);
+        hash_surface(&mut hash, &object.surface);
         hash.doubles(&object.transform.to_cols_array());
     }
     hash.tag("grains");
     hash.0.update(&grains.0);
     *hash.0.finalize().as_bytes()
+}
+
+fn hash_surface(hash: &mut Hash, surface: &Surface) {
+    match surface {
+        Surface::Diffuse { albedo } => hash.floats(albedo),
+        Surface::Conductor { reflectance, roughness } => {
+            hash.tag("conductor");
+            hash.floats(reflectance);
+            hash.doubles(&[*roughness]);
+        }
+        Surface::Dielectric { ior, roughness } => {
+            hash.tag("dielectric");
+            hash.doubles(&[*ior, *roughness]);
+        }
+    }
 }
 
 fn hash_projection(hash: &mut Hash, projection: &Projection) {

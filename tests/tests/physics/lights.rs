@@ -8,7 +8,7 @@ use snowgrain_grains::DepositRule;
 use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, ObjectDescription, ObjectShape, SceneDescription, SnowDescription,
+    LightKind, ObjectDescription, ObjectShape, SceneDescription, SnowDescription, Surface,
 };
 use snowgrain_render::light::{EnvironmentMap, direction_of};
 use snowgrain_render::measure::Estimate;
@@ -36,7 +36,7 @@ fn ground(lights: Vec<LightDescription>) -> SceneDescription {
         objects: vec![ObjectDescription {
             name: "ground".into(),
             shape: ObjectShape::Plane,
-            albedo: [ALBEDO; 3],
+            surface: Surface::diffuse([ALBEDO; 3]),
             transform: DAffine3::IDENTITY,
         }],
         snow: Vec::new(),
@@ -145,7 +145,7 @@ fn an_object_shines_as_the_quad_that_is_its_lower_face() {
     description.objects.push(ObjectDescription {
         name: "lamp".into(),
         shape: ObjectShape::Box,
-        albedo: [0.5; 3],
+        surface: Surface::diffuse([0.5; 3]),
         transform: place,
     });
     let expected = f64::from(ALBEDO) * 2.0 * 4.0 * corner_factor(0.6, 0.6);

@@ -52,7 +52,7 @@ fn world(grid: GrainGrid) -> World {
     World {
         grid,
         surfaces: Surfaces::default(),
-        albedos: Vec::new(),
+        materials: Vec::new(),
         emitters: Vec::new(),
         eta: ETA,
     }

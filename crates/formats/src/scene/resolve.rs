@@ -6,6 +6,7 @@ mod import;
 mod lights;
 mod objects;
 mod snow;
+mod surfaces;
 
 use super::document::{
     IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName,
@@ -20,7 +21,7 @@ use snowgrain_grains::GrainField;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
     FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    Packing, Pores, SceneDescription,
+    Packing, Pores, SceneDescription, Surface,
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::{STRATA, Strata};
@@ -217,7 +218,7 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
-        object.albedo = [1.0; 3];
+        object.surface = Surface::diffuse([1.0; 3]);
     }
     scene
 }

@@ -8,7 +8,7 @@ use super::objects::{Placement, check_reach, transform};
 use crate::gltf::{ImportedCamera, ImportedProjection, ImportedScene};
 use snowgrain_math::DAffine3;
 use snowgrain_render::description::{
-    CameraDescription, ObjectDescription, ObjectShape, Projection,
+    CameraDescription, ObjectDescription, ObjectShape, Projection, Surface,
 };
 
 /// What a shot gives to a scene.
@@ -47,7 +47,7 @@ fn objects(
         Ok(ObjectDescription {
             name: object.name,
             shape: ObjectShape::Mesh(object.mesh),
-            albedo: object.material.base_colour,
+            surface: Surface::diffuse(object.material.base_colour),
             transform,
         })
     };

@@ -4,7 +4,7 @@ use super::super::SceneError;
 use super::super::document::{InstanceTable, ObjectTable, ShapeKind};
 use super::super::quantity::{Length, Triple};
 use super::checks::{Checks, LARGEST, SMALLEST};
-use super::{Meshes, ReadMesh, lights};
+use super::{Meshes, ReadMesh, lights, surfaces};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, trig};
 use snowgrain_render::description::{LightDescription, ObjectDescription, ObjectShape};
@@ -54,12 +54,9 @@ fn instances(
             Placement { scale: place.scale, rotate: place.rotate, translate: place.translate };
         let transform = transform(checks, &path, &moved)? * object.transform;
         check_reach(checks, &format!("{path}.scale"), bounds, &transform)?;
-        let albedo = match place.albedo {
-            Some(albedo) => self::albedo(checks, &path, albedo)?,
-            None => object.albedo,
-        };
+        let surface = surfaces::with_albedo(checks, &path, place.albedo, &object.surface)?;
         let name = format!("{}.{i}", object.name);
-        Ok(ObjectDescription { name, shape: object.shape.clone(), albedo, transform })
+        Ok(ObjectDescription { name, shape: object.shape.clone(), surface, transform })
     };
     places.iter().enumerate().map(instance).collect()
 }
@@ -81,7 +78,7 @@ fn object(
     read_mesh: &mut ReadMesh<'_>,
 ) -> Result<(ObjectDescription, Aabb), SceneError> {
     let key = |name: &str| format!("{path}.{name}");
-    let albedo = albedo(checks, path, table.albedo)?;
+    let surface = surfaces::surface(checks, path, table)?;
     let placement =
         Placement { scale: table.scale, rotate: table.rotate, translate: table.translate };
     let transform = transform(checks, path, &placement)?;
@@ -110,14 +107,7 @@ fn object(
         (None, Some(file)) => file.to_string_lossy().into_owned(),
         (None, None) => path.to_owned(),
     };
-    Ok((ObjectDescription { name, shape, albedo, transform }, bounds))
-}
-
-fn albedo(checks: &Checks<'_>, path: &str, albedo: Triple) -> Result<[f32; 3], SceneError> {
-    if albedo.0.iter().all(|a| (0.0..=1.0).contains(a)) {
-        return Ok(albedo.0.map(|a| a as f32));
-    }
-    Err(checks.bad(&format!("{path}.albedo"), "each must be 0 to 1"))
+    Ok((ObjectDescription { name, shape, surface, transform }, bounds))
 }
 
 fn mesh(

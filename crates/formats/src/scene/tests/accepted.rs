@@ -12,7 +12,7 @@ use snowgrain_optics::{
 };
 use snowgrain_render::description::{
     Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection,
-    SceneDescription, SnowDescription,
+    SceneDescription, SnowDescription, Surface,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!((scene.film.primaries, scene.film.keep_ice_paths), (Primaries::Srgb, false));
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Sky, [1.0; 3])]);
     assert_eq!(scene.objects[0].name, "object.0");
-    assert_eq!(scene.objects[0].albedo, [0.5; 3]);
+    assert_eq!(scene.objects[0].surface, Surface::diffuse([0.5; 3]));
     let expected = DepositSettings {
         amount: Amount::Grains(1000),
         radii: Radii { mean: 0.0005, variation: 0.0 },
@@ -199,7 +199,8 @@ fn an_object_stands_where_its_instances_say() {
     let scene = read(&text, &[]).unwrap();
     let [first, second] = scene.objects.as_slice() else { panic!("{:?}", scene.objects) };
     assert_eq!([&first.name, &second.name], ["model.obj.0", "model.obj.1"]);
-    assert_eq!([first.albedo, second.albedo], [[0.25; 3], [1.0, 0.0, 0.0]]);
+    let expected = [[0.25; 3], [1.0, 0.0, 0.0]].map(Surface::diffuse);
+    assert_eq!([&first.surface, &second.surface], expected.each_ref());
     assert_eq!(first.transform.transform_point3(DVec3::Y), DVec3::new(1.0, 2.0, 0.1));
     assert_eq!(second.transform.transform_point3(DVec3::ONE), DVec3::new(2.0, 6.0, -2.0));
     let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&first.shape, &second.shape) else {
@@ -256,7 +257,8 @@ fn a_shot_gives_its_objects_and_its_camera() {
     let [low, high] = &scene.objects[..] else { panic!("{:?}", scene.objects) };
     let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&low.shape, &high.shape) else { panic!() };
     assert!(Arc::ptr_eq(a, b), "a mesh is held once");
-    assert_eq!((high.name.as_str(), high.albedo), ("at 0.5", [0.2, 0.3, 0.4]));
+    assert_eq!(high.name, "at 0.5");
+    assert_eq!(high.surface, Surface::diffuse([0.2, 0.3, 0.4]));
     assert_eq!(high.transform.transform_point3(DVec3::X), DVec3::new(3.0, 1.0, 0.0));
     assert_eq!(scene.camera.from, DVec3::new(1.0, 0.0, 4.0));
     assert_eq!(scene.camera.at - scene.camera.from, DVec3::Z * -2.0);
@@ -346,7 +348,7 @@ fn snowy_objects_fit_into_their_pictures() {
 fn a_furnace_has_white_walls_and_one_uniform_light() {
     let scene = furnace(builtin("snowy-teapot"));
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0; 3])]);
-    assert_eq!(scene.objects[0].albedo, [1.0; 3]);
+    assert_eq!(scene.objects[0].surface, Surface::diffuse([1.0; 3]));
     assert_eq!(scene.camera.backdrop, [1.0; 3]);
     assert_eq!(scene.ice, IceDescription::clear(scene.ice.ior));
 }
