@@ -212,6 +212,8 @@ pub struct ObjectDescription {
     pub shape: ObjectShape,
     /// What it is made of.
     pub surface: Surface,
+    /// Whether camera rays that meet it first find nothing there: black, of alpha 0.
+    pub is_holdout: bool,
     /// Own space to world: scale, then rotate, then translate.
     pub transform: DAffine3,
 }

@@ -189,7 +189,10 @@ fn materials(description: &SceneDescription, lit: &LitSurfaces) -> Vec<Material>
     let surroundings = description.ice.pores.ior();
     let objects = description.objects.iter().zip(&lit.shapes);
     objects
-        .map(|(object, place)| Material::new(object.surface.clone(), place, surroundings))
+        .map(|(object, place)| {
+            let material = Material::new(object.surface.clone(), place, surroundings);
+            material.held_out(object.is_holdout)
+        })
         .collect()
 }
 

@@ -38,6 +38,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         name: "ground".into(),
         shape: ObjectShape::Plane,
         surface: Surface::diffuse(albedo),
+        is_holdout: false,
         transform: DAffine3::from_translation(DVec3::Y * -0.01 * RADIUS),
     });
     SceneDescription {
@@ -166,6 +167,7 @@ fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
         name: "ball".into(),
         shape: ObjectShape::Sphere,
         surface: Surface::diffuse(RED),
+        is_holdout: false,
         transform: DAffine3::from_scale(DVec3::splat(0.01)),
     });
     description.camera.from = DVec3::new(0.0, 0.06, 0.06);

@@ -17,6 +17,7 @@ use snowgrain_render::description::{
     SnowDescription, Surface,
 };
 use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
+use snowgrain_render::surface::Reflectance;
 use snowgrain_tests::{
     Oracle, OracleShape, OracleSurface, PinholeCamera, Search, picture::Picture as OraclePicture,
 };
@@ -71,6 +72,7 @@ pub(crate) fn pile(
         name: "object".into(),
         shape,
         surface: Surface::diffuse(albedo),
+        is_holdout: false,
         transform,
     };
     let block = DAffine3::from_translation(DVec3::new(0.0, 0.15 * width, 0.0))
@@ -193,7 +195,10 @@ fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
     const QUADS: [[usize; 4]; 6] =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let block = QUADS.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    let Surface::Diffuse { albedo } = description.objects[0].surface else { panic!() };
+    let Surface::Diffuse { albedo: Reflectance::Colour(albedo) } = description.objects[0].surface
+    else {
+        panic!()
+    };
     let albedo = DVec3::from_array(albedo.map(f64::from));
     let surfaces = [
         OracleShape::Plane { point: DVec3::ZERO, normal: DVec3::Y },

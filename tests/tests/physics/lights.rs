@@ -8,7 +8,8 @@ use snowgrain_grains::DepositRule;
 use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightKind, ObjectDescription, ObjectShape, SceneDescription, SnowDescription, Surface,
+    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
+    SnowDescription, Surface,
 };
 use snowgrain_render::light::{EnvironmentMap, direction_of};
 use snowgrain_render::measure::Estimate;
@@ -21,14 +22,14 @@ const ALBEDO: f32 = 0.6;
 const PIXELS: u32 = 16;
 
 /// Grey ground, seen from straight above in a field of view of a tenth of a degree.
-fn ground(lights: Vec<LightDescription>) -> SceneDescription {
+pub(crate) fn ground(lights: Vec<LightDescription>) -> SceneDescription {
     SceneDescription {
         film: FilmDescription::new(PIXELS, PIXELS, 1, 5),
         camera: CameraDescription {
             from: DVec3::Y * 0.3,
             at: DVec3::ZERO,
             up: DVec3::NEG_Z,
-            vertical_fov_degrees: 0.1,
+            projection: Projection::pinhole(0.1),
             backdrop: [0.0; 3],
         },
         ice: IceDescription::clear(1.31),
@@ -37,23 +38,25 @@ fn ground(lights: Vec<LightDescription>) -> SceneDescription {
             name: "ground".into(),
             shape: ObjectShape::Plane,
             surface: Surface::diffuse([ALBEDO; 3]),
+            is_holdout: false,
             transform: DAffine3::IDENTITY,
         }],
         snow: Vec::new(),
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        light_finding: LightFinding::Exact,
         packing: None,
     }
 }
 
-fn film(description: &SceneDescription, samples: u64) -> Film {
+pub(crate) fn film(description: &SceneDescription, samples: u64) -> Film {
     let scene = Scene::build(description, &mut |_| ()).unwrap();
     let film = &description.film;
     picture(&scene, 0..samples, PixelRect::new(0, 0, film.width, film.height)).film
 }
 
 /// The mean of green over all pixels.
-fn mean(film: &Film) -> Estimate {
+pub(crate) fn mean(film: &Film) -> Estimate {
     let count = film.pixels().len() as f64;
     let sum =
         |of: &dyn Fn(&snowgrain_film::PixelSums) -> f64| film.pixels().iter().map(of).sum::<f64>();
@@ -146,6 +149,7 @@ fn an_object_shines_as_the_quad_that_is_its_lower_face() {
         name: "lamp".into(),
         shape: ObjectShape::Box,
         surface: Surface::diffuse([0.5; 3]),
+        is_holdout: false,
         transform: place,
     });
     let expected = f64::from(ALBEDO) * 2.0 * 4.0 * corner_factor(0.6, 0.6);

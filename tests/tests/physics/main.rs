@@ -13,6 +13,7 @@ mod grain;
 mod lights;
 mod pictures;
 mod slabs;
+mod surfaces;
 
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;

@@ -12,6 +12,7 @@ mod measures;
 mod pictures;
 #[cfg(unix)]
 mod signals;
+mod surfaces;
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};

@@ -171,6 +171,15 @@ pub struct ObjectTable {
     /// Albedo: one number or [r, g, b], each 0 to 1; default 0.5; diffuse.
     #[serde(default = "half")]
     pub albedo: Triple,
+    /// Picture that gives the albedo or the reflectance by place (.png, .jpg, .exr or .hdr), relative to the
+    /// scene file; diffuse (instead of `albedo`), conductor (instead of `metal` and `reflectance`). A mesh
+    /// needs texture coordinates; a sphere has longitude and latitude, each face of a box and each patch of
+    /// the teapot the whole picture.
+    #[serde(default)]
+    pub albedo_texture: Option<String>,
+    /// Width and height of the picture on a plane: a length above 0; default 1 m; plane.
+    #[serde(default)]
+    pub texture_scale: Option<Length>,
     /// "aluminium", "chromium", "copper", "gold", "iron" or "silver", of measured reflectance;
     /// conductor (this or `reflectance`).
     #[serde(default)]
@@ -186,6 +195,10 @@ pub struct ObjectTable {
     /// Index of refraction, 1 to 4; default 1.5 (window glass); dielectric.
     #[serde(default)]
     pub ior: Option<f64>,
+    /// Whether it is cut out where the camera sees it directly: black, of alpha 0; it throws shadows, is
+    /// mirrored and carries snow as ever; default false.
+    #[serde(default)]
+    pub holdout: bool,
     /// Radiance that it sends out on both sides, as a lamp: one number or [r, g, b], at least 0; it is black
     /// then and takes no material; not for a plane; default none.
     #[serde(default)]

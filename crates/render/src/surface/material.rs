@@ -1,7 +1,8 @@
 //! The surface of an object in its place.
 
+use super::place::Place;
 use super::scatterer::{Kind, Scatterer};
-use super::{Surface, slope};
+use super::{Reflectance, Surface, slope};
 use snowgrain_accel::{SurfaceHit, SurfaceShape};
 use snowgrain_math::{DAffine3, DVec3};
 
@@ -13,47 +14,58 @@ pub struct Material {
     surroundings: f64,
     /// Where it matters which point of the object is met.
     place: Option<Place>,
-}
-
-/// Where an object stands.
-#[derive(Clone, Debug)]
-struct Place {
-    shape: SurfaceShape,
-    /// World to own space.
-    to_own: DAffine3,
+    is_holdout: bool,
 }
 
 impl Material {
     /// An object of this shape, placed by `transform`, among air or water of index `surroundings`.
     #[must_use]
-    pub fn new(
-        surface: Surface,
-        (shape, transform): &(SurfaceShape, DAffine3),
-        surroundings: f64,
-    ) -> Self {
-        let place = || Place { shape: shape.clone(), to_own: transform.inverse() };
-        let place = match surface {
-            Surface::Diffuse { .. } | Surface::Conductor { .. } => None,
-            Surface::Dielectric { .. } => Some(place()),
+    pub fn new(surface: Surface, object: &(SurfaceShape, DAffine3), surroundings: f64) -> Self {
+        let place = match &surface {
+            Surface::Diffuse { albedo: Reflectance::Colour(_) }
+            | Surface::Conductor { reflectance: Reflectance::Colour(_), .. } => None,
+            Surface::Diffuse { albedo: Reflectance::Texture(_) }
+            | Surface::Conductor { reflectance: Reflectance::Texture(_), .. }
+            | Surface::Dielectric { .. } => Some(Place::new(object)),
         };
-        Self { surface, surroundings, place }
+        Self { surface, surroundings, place, is_holdout: false }
     }
 
     /// A diffuse surface of one colour, wherever it is.
     #[must_use]
     pub fn diffuse(albedo: [f32; 3]) -> Self {
-        Self { surface: Surface::diffuse(albedo), surroundings: 1.0, place: None }
+        Self {
+            surface: Surface::diffuse(albedo),
+            surroundings: 1.0,
+            place: None,
+            is_holdout: false,
+        }
+    }
+
+    /// The same, cut out of what the camera sees directly.
+    #[must_use]
+    pub fn held_out(self, is_holdout: bool) -> Self {
+        Self { is_holdout, ..self }
+    }
+
+    /// Whether camera rays that meet it first find nothing there.
+    #[must_use]
+    pub fn is_holdout(&self) -> bool {
+        self.is_holdout
     }
 
     /// What it does to a path that arrives along the unit vector `arrival` at `position` (metres) of the
     /// piece that was hit.
     #[must_use]
     pub fn scatterer(&self, hit: &SurfaceHit, position: DVec3, arrival: DVec3) -> Scatterer {
-        let kind = match self.surface {
-            Surface::Diffuse { albedo } => Kind::Diffuse { albedo },
-            Surface::Conductor { reflectance, roughness } => {
-                Kind::Conductor { reflectance, alpha: slope(roughness) }
+        let kind = match &self.surface {
+            Surface::Diffuse { albedo } => {
+                Kind::Diffuse { albedo: self.part(albedo, hit.id.piece, position) }
             }
+            Surface::Conductor { reflectance, roughness } => Kind::Conductor {
+                reflectance: self.part(reflectance, hit.id.piece, position),
+                alpha: slope(*roughness),
+            },
             Surface::Dielectric { ior, roughness } => {
                 let index = ior / self.surroundings;
                 let enters = self.place.as_ref().is_none_or(|place| {
@@ -61,30 +73,22 @@ impl Material {
                 });
                 let relative_index = if enters { index } else { 1.0 / index };
                 // Facets between equal media turn nothing.
-                let alpha = slope(roughness).filter(|_| (index - 1.0).abs() > 1e-9);
+                let alpha = slope(*roughness).filter(|_| (index - 1.0).abs() > 1e-9);
                 Kind::Dielectric { relative_index, alpha }
             }
         };
         Scatterer::new(hit.normal, arrival, kind)
     }
-}
 
-impl Place {
-    /// A vector to the outside of the piece at a point of it, of any length.
-    fn outwards(&self, piece: u32, position: DVec3) -> DVec3 {
-        let own = match &self.shape {
-            SurfaceShape::Sphere => self.to_own.transform_point3(position),
-            SurfaceShape::Box => {
-                let axis = [DVec3::X, DVec3::Y, DVec3::Z][(piece / 2).min(2) as usize];
-                if piece % 2 == 0 { -axis } else { axis }
+    /// A reflectance at a point of a piece.
+    fn part(&self, of: &Reflectance, piece: u32, position: DVec3) -> [f32; 3] {
+        match (of, &self.place) {
+            (Reflectance::Colour(colour), _) => *colour,
+            (Reflectance::Texture(map), Some(place)) => {
+                let colour = map.texture.at(place.coordinates(piece, position, map.metres));
+                std::array::from_fn(|i| colour[i] * map.factor[i])
             }
-            SurfaceShape::Plane => DVec3::Y,
-            SurfaceShape::Mesh(mesh) => {
-                let [a, b, c] = mesh.corners(piece as usize);
-                (b - a).cross(c - a)
-            }
-        };
-        // Normals move by the inverse of the transpose, whichever way the object is mirrored.
-        self.to_own.matrix3.transpose() * own
+            (Reflectance::Texture(map), None) => map.factor,
+        }
     }
 }

@@ -11,12 +11,15 @@
 
 mod ggx;
 mod material;
+mod place;
 mod scatterer;
 #[cfg(test)]
 mod tests;
+mod texture;
 
 pub use material::Material;
 pub use scatterer::{Scattered, Scatterer};
+pub use texture::{LARGEST_TEXTURE, Reflectance, Texture, TextureMap, check_texture_size};
 
 /// Roughness below which a surface is smooth: the spread of its reflections, `roughness^2` radians, is
 /// under a third of the sun's half degree.
@@ -27,13 +30,13 @@ pub const LEAST_ROUGHNESS: f64 = 0.05;
 pub enum Surface {
     /// It reflects light evenly.
     Diffuse {
-        /// Part of the light that it reflects, linear RGB, each in [0, 1].
-        albedo: [f32; 3],
+        /// Part of the light that it reflects.
+        albedo: Reflectance,
     },
     /// A metal.
     Conductor {
-        /// Part of the light that it reflects at normal incidence, linear RGB, each in [0, 1].
-        reflectance: [f32; 3],
+        /// Part of the light that it reflects at normal incidence.
+        reflectance: Reflectance,
         /// In [0, 1]; the slope of its facets is the square, and below [`LEAST_ROUGHNESS`] it is smooth.
         roughness: f64,
     },
@@ -51,7 +54,19 @@ impl Surface {
     /// A diffuse surface of one colour.
     #[must_use]
     pub fn diffuse(albedo: [f32; 3]) -> Self {
-        Self::Diffuse { albedo }
+        Self::Diffuse { albedo: Reflectance::Colour(albedo) }
+    }
+
+    /// The picture on it, if there is one.
+    #[must_use]
+    pub fn texture(&self) -> Option<&TextureMap> {
+        match self {
+            Self::Diffuse { albedo: Reflectance::Texture(map) }
+            | Self::Conductor { reflectance: Reflectance::Texture(map), .. } => Some(map),
+            Self::Diffuse { albedo: Reflectance::Colour(_) }
+            | Self::Conductor { reflectance: Reflectance::Colour(_), .. }
+            | Self::Dielectric { .. } => None,
+        }
     }
 }
 

@@ -262,7 +262,11 @@ impl<Tag: Copy> Walk<'_, Tag> {
             });
         }
         let event = self.flight.travelled(lane).event;
-        let scatterer = self.world.materials[object].scatterer(hit, position, arrival.direction);
+        let material = &self.world.materials[object];
+        if is_first && material.is_holdout() {
+            return Err(PathEnd::Absorbed);
+        }
+        let scatterer = material.scatterer(hit, position, arrival.direction);
         if is_first {
             let albedo = scatterer.guide();
             walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });

@@ -17,6 +17,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         name: "object".into(),
         shape,
         surface: Surface::diffuse([0.5; 3]),
+        is_holdout: false,
         transform,
     };
     let ball = DAffine3::from_translation(DVec3::new(0.3, 0.05, 0.0))

@@ -1,11 +1,14 @@
-//! What objects are made of.
+//! What objects are made of, and the pictures on them.
 
 use super::super::SceneError;
-use super::super::document::{MaterialName, MetalName, ObjectTable};
+use super::super::document::{MaterialName, MetalName, ObjectTable, ShapeKind};
 use super::super::quantity::Triple;
+use super::Files;
 use super::checks::Checks;
 use snowgrain_optics::Metal;
 use snowgrain_render::description::Surface;
+use snowgrain_render::surface::{Reflectance, TextureMap};
+use std::sync::Arc;
 
 /// Roughness of metals where none is written: brushed.
 const ROUGHNESS_OF_METAL: f64 = 0.3;
@@ -13,8 +16,10 @@ const ROUGHNESS_OF_METAL: f64 = 0.3;
 const IOR_OF_GLASS: f64 = 1.5;
 
 /// Keys of an object that only some materials take, with those.
-const KEYS: [(&str, &[MaterialName]); 5] = [
+const KEYS: [(&str, &[MaterialName]); 7] = [
     ("albedo", &[MaterialName::Diffuse]),
+    ("albedo_texture", &[MaterialName::Diffuse, MaterialName::Conductor]),
+    ("texture_scale", &[MaterialName::Diffuse, MaterialName::Conductor]),
     ("metal", &[MaterialName::Conductor]),
     ("reflectance", &[MaterialName::Conductor]),
     ("roughness", &[MaterialName::Conductor, MaterialName::Dielectric]),
@@ -23,7 +28,7 @@ const KEYS: [(&str, &[MaterialName]); 5] = [
 
 /// Whether a key of an object tells what it is made of.
 pub(super) fn is_of_material(key: &str) -> bool {
-    key == "material" || KEYS.iter().any(|(name, _)| *name == key)
+    ["material", "holdout"].contains(&key) || KEYS.iter().any(|(name, _)| *name == key)
 }
 
 /// What the object at `path` is made of.
@@ -31,12 +36,22 @@ pub(super) fn surface(
     checks: &Checks<'_>,
     path: &str,
     table: &ObjectTable,
+    files: &mut Files<'_, '_>,
 ) -> Result<Surface, SceneError> {
     refuse_others(checks, path, table.material)?;
+    let texture = texture(checks, path, table, files)?.map(Reflectance::Texture);
     Ok(match table.material {
-        MaterialName::Diffuse => Surface::diffuse(albedo(checks, path, table.albedo)?),
+        MaterialName::Diffuse => Surface::Diffuse {
+            albedo: match texture {
+                Some(texture) => texture,
+                None => Reflectance::Colour(albedo(checks, path, table.albedo)?),
+            },
+        },
         MaterialName::Conductor => Surface::Conductor {
-            reflectance: reflectance(checks, path, table)?,
+            reflectance: match texture {
+                Some(texture) => texture,
+                None => Reflectance::Colour(reflectance(checks, path, table)?),
+            },
             roughness: roughness(checks, path, table, ROUGHNESS_OF_METAL)?,
         },
         MaterialName::Dielectric => {
@@ -50,6 +65,48 @@ pub(super) fn surface(
     })
 }
 
+/// The picture on an object.
+fn texture(
+    checks: &Checks<'_>,
+    path: &str,
+    table: &ObjectTable,
+    files: &mut Files<'_, '_>,
+) -> Result<Option<TextureMap>, SceneError> {
+    let key = |name: &str| format!("{path}.{name}");
+    let Some(file) = &table.albedo_texture else {
+        return match table.texture_scale {
+            Some(_) => Err(checks.misplaced(&key("texture_scale"), "there is no albedo_texture")),
+            None => Ok(None),
+        };
+    };
+    let instead = |name: &&str| ["albedo", "metal", "reflectance"].contains(name);
+    if let Some(other) = checks.written_keys(path).find(instead) {
+        let mend = "the picture of albedo_texture stands for it; remove one of them";
+        return Err(checks.misplaced(&key(other), mend));
+    }
+    let metres = match (table.texture_scale, table.shape) {
+        (None, _) => 1.0,
+        (Some(scale), ShapeKind::Plane) => checks.size(&key("texture_scale"), scale)?,
+        (Some(_), _) => {
+            let mend = "only a plane takes it; other shapes have coordinates of their own";
+            return Err(checks.misplaced(&key("texture_scale"), mend));
+        }
+    };
+    let key = key("albedo_texture");
+    let path = checks.reference(&key, file)?;
+    let known = files.textures.iter().find(|(known, _)| *known == path);
+    let texture = match known {
+        Some((_, texture)) => Arc::clone(texture),
+        None => {
+            let read = (files.texture)(&path).map_err(|cause| checks.unusable(&key, cause))?;
+            let texture = Arc::new(read);
+            files.textures.push((path, Arc::clone(&texture)));
+            texture
+        }
+    };
+    Ok(Some(TextureMap { texture, factor: [1.0; 3], metres }))
+}
+
 /// The surface of an object in a place that has an albedo of its own.
 pub(super) fn with_albedo(
     checks: &Checks<'_>,
@@ -59,6 +116,10 @@ pub(super) fn with_albedo(
 ) -> Result<Surface, SceneError> {
     let Some(own) = own else { return Ok(surface.clone()) };
     match surface {
+        Surface::Diffuse { albedo: Reflectance::Texture(_) } => {
+            let mend = "the picture of albedo_texture stands for it; remove it";
+            Err(checks.misplaced(&format!("{path}.albedo"), mend))
+        }
         Surface::Diffuse { .. } => Ok(Surface::diffuse(albedo(checks, path, own)?)),
         Surface::Conductor { .. } | Surface::Dielectric { .. } => {
             let mend = "only diffuse objects have an albedo; remove it";

@@ -8,12 +8,13 @@ use crate::scene::{
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_optics::{
-    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
+    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Metal, Primaries,
 };
 use snowgrain_render::description::{
     Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection,
     SceneDescription, SnowDescription, Surface,
 };
+use snowgrain_render::surface::Reflectance;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -181,6 +182,7 @@ fn meshes_are_read_once_relative_to_the_scene() {
         grains: &mut no_grains,
         environment: &mut |_| Err("nor a map".into()),
         import: &mut |_| Err("nor a shot".into()),
+        texture: &mut |_| Err("nor a picture".into()),
     };
     let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
@@ -342,6 +344,30 @@ fn snowy_objects_fit_into_their_pictures() {
         }
         fits(name, DVec3::Y * 0.128);
     }
+}
+
+#[test]
+fn objects_are_of_metal_glass_or_pictures() {
+    let of = |keys: &str| {
+        let keys = format!("shape = \"plane\"\n{keys}");
+        let scene = read(&LEAST.replace("shape = \"sphere\"", &keys), &["snow=[]"]).unwrap();
+        (scene.objects[0].surface.clone(), scene)
+    };
+    let (gold, _) = of("material = \"conductor\"\nmetal = \"gold\"");
+    let reflectance = Reflectance::Colour(Metal::Gold.reflectance());
+    assert_eq!(gold, Surface::Conductor { reflectance, roughness: 0.3 });
+    let (own, _) =
+        of("material = \"conductor\"\nreflectance = [1, 0.5, 0]\nroughness = 0\nholdout = true");
+    let reflectance = Reflectance::Colour([1.0, 0.5, 0.0]);
+    assert_eq!(own, Surface::Conductor { reflectance, roughness: 0.0 });
+    let (glass, _) = of("material = \"dielectric\"");
+    assert_eq!(glass, Surface::Dielectric { ior: 1.5, roughness: 0.0 });
+    let (bark, scene) = of("albedo_texture = \"bark.png\"\ntexture_scale = \"20 cm\"");
+    let map = bark.texture().unwrap();
+    assert_eq!((map.texture.size(), map.metres, map.factor), ([2, 1], 0.2, [1.0; 3]));
+    assert!(!scene.objects[0].is_holdout);
+    let held = of("holdout = true").1;
+    assert!(held.objects[0].is_holdout && !furnace(held).objects[0].is_holdout);
 }
 
 #[test]
