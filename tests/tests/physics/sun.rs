@@ -43,6 +43,7 @@ fn scene(text: &str, changes: &[&str]) -> Scene {
         grains: &mut |_| Err("no grains".into()),
         import: &mut |_| Err("no shot".into()),
         environment: &mut |_| Err("no map".into()),
+        texture: &mut |_| Err("no texture".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }

@@ -36,6 +36,7 @@ fn description(name: &str) -> SceneDescription {
         grains: &mut |_| Err("nor to grains".into()),
         import: &mut |_| Err("nor to shots".into()),
         environment: &mut |_| Err("nor to a map".into()),
+        texture: &mut |_| Err("nor to a picture".into()),
     };
     resolve(&file, loader).unwrap()
 }
