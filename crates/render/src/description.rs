@@ -47,7 +47,7 @@ pub struct FilmDescription {
     pub samples_per_pixel: u32,
     /// Seed of the sampler.
     pub seed: u64,
-    /// Where in its pixel each sample looks.
+    /// Where in its pixel, and on the lens, each sample begins.
     pub sampler: Sampler,
     /// Primaries of the picture; everything else in a scene is linear sRGB.
     pub primaries: Primaries,

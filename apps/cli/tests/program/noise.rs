@@ -1,7 +1,7 @@
 //! Noise: renders to a target, and pictures without any.
 
 use crate::Workplace;
-use snowgrain_film::{BlockCounts, Layer};
+use snowgrain_film::{BlockCounts, GLINTS, Layer};
 use snowgrain_formats::image::read_picture;
 use snowgrain_formats::read_film;
 
@@ -48,6 +48,27 @@ fn a_denoiser_that_is_not_there_is_69_before_any_work() {
         }
     }
     assert_eq!(place.names(), before);
+}
+
+/// Where `SNOWGRAIN_OIDN` names the library.
+#[test]
+fn glints_come_through_the_denoiser() {
+    if std::env::var_os("SNOWGRAIN_OIDN").is_none() {
+        println!("skipped: SNOWGRAIN_OIDN names no library of Open Image Denoise");
+        return;
+    }
+    let place = Workplace::new();
+    let sun = ["--set", "light+={kind=\"sun\", elevation=40}", "-o", "plain.exr", "-o", "a.film"];
+    place.tiny(&sun);
+    place.succeed(&["develop", "a.film", "--denoise", "-o", "clean.exr"]);
+    let read = |name: &str| read_picture(&place.path(name)).unwrap();
+    let (plain, clean) = (read("plain.exr"), read("clean.exr"));
+    assert_eq!(clean.light_layers, plain.light_layers);
+    let glints = plain.light_layers.iter().find(|layer| layer.name == GLINTS).unwrap();
+    let green = clean.layer(Layer::G).unwrap();
+    let (at, brightest) =
+        glints.values[1].iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+    assert!(*brightest > 5.0 && green[at] >= *brightest, "{} of {brightest}", green[at]);
 }
 
 /// Where `SNOWGRAIN_OIDN` names the library.

@@ -61,7 +61,7 @@ pub struct FilmTable {
     pub samples_per_pixel: u32,
     /// Seed of the random numbers of light: a whole number; default 0.
     pub seed: u64,
-    /// Where in its pixel each sample looks: "independent" (at random, so that the layers of variance
+    /// Where in its pixel, and through its lens, each sample looks: "independent" (at random, so that the layers of variance
     /// say exactly how uncertain the picture is) or "sobol" (spread evenly: less noise at edges, where
     /// the layers of variance then say too much); default "independent".
     pub sampler: SamplerName,
