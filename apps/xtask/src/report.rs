@@ -133,8 +133,8 @@ impl Section {
 }
 
 /// The whole report: all comparisons first, then the sections.
-pub(crate) fn markdown(introduction: &str, sections: &[Section]) -> String {
-    let mut text = format!("# Validation\n\n{introduction}\n");
+pub(crate) fn markdown(title: &str, introduction: &str, sections: &[Section]) -> String {
+    let mut text = format!("# {title}\n\n{introduction}\n");
     text.push_str("| section | comparison | lines | worst deviation | tolerance | result |\n");
     text.push_str("|---|---|---|---|---|---|\n");
     for section in sections {

@@ -1,0 +1,168 @@
+//! The contrast that grains give a flat patch of snow under an overcast sky.
+
+use super::patch::Patch;
+use super::stage::{Pack, RADIUS, Stage};
+use crate::report::{Comparison, Section};
+use anyhow::{Context as _, Result};
+
+/// Widths of pixels in radii, and contrasts expected at solid fractions of .45 and .2.
+const EXPECTED: [(f64, [f64; 2]); 3] =
+    [(0.5, [0.11, 0.24]), (1.0, [0.07, 0.17]), (5.5, [0.017, 0.053])];
+/// Tolerances as parts of what is expected: .02 of .07, .04 of .17.
+const TOLERANCES: [f64; 2] = [0.02 / 0.07, 0.04 / 0.17];
+/// Most that a Lambertian surface may show, a matter of noise alone.
+const NONE: f64 = 0.004;
+/// Structure wider than this many radii is not that of grains.
+const WIDEST: f64 = 16.0;
+/// How wide and deep the snow is, radii.
+const ACROSS: f64 = 400.0;
+const DEEP: f64 = 30.0;
+
+/// The snow of a scene.
+struct Snow {
+    name: &'static str,
+    what: String,
+    table: String,
+    /// Where the middle of it is, along x and z, and its upper end, metres.
+    middle: f64,
+    top: f64,
+    expected: Option<usize>,
+}
+
+pub(super) fn section(stage: &Stage) -> Result<Section> {
+    let mut section = Section::new("Contrast of grains");
+    section.say(format!(
+        "Flat snow, {DEEP} radii deep over white ground, {ACROSS} radii wide, under a CIE overcast sky, seen from \
+         above by parallel rays. Contrast: standard deviation over mean of green; structure wider than {WIDEST} radii \
+         (9 pixels, if that is more) and the noise that the variance layer tells are taken away."
+    ));
+    let mut told = Vec::new();
+    for snow in snows(stage, &mut section)? {
+        told.push(measure(stage, &mut section, &snow)?);
+    }
+    told.push(lambert(stage, &mut section)?);
+    section.table(&["surface", "pixel .5 r", "1 r", "5.5 r"], &told);
+    Ok(section)
+}
+
+/// The packings, those that are judged first.
+fn snows(stage: &Stage, section: &mut Section) -> Result<Vec<Snow>> {
+    let side = ACROSS * RADIUS;
+    let pack = Pack {
+        file: "phi_0.20.ply",
+        solid_fraction: 0.2,
+        width: side,
+        depth: DEEP * RADIUS,
+    };
+    stage.write_pack(&pack)?;
+    let mut snows = vec![Snow {
+        name: "contrast-random",
+        what: "grains at random places, none touching, phi = .200".into(),
+        table: format!("source = \"file\"\nfile = \"{}\"", pack.file),
+        middle: 0.5 * side,
+        top: pack.depth,
+        expected: Some(1),
+    }];
+    for (rule, expected) in [("ray", Some(0)), ("roll", None), ("stick", None)] {
+        let name = match rule {
+            "ray" => "contrast-ray",
+            "roll" => "contrast-roll",
+            _ => "contrast-stick",
+        };
+        let half = 0.5 * side;
+        let table = format!(
+            "source = \"deposit\"\nrule = \"{rule}\"\nradius = {RADIUS}\ndepth = {}\n\
+             area = [-{half}, -{half}, {half}, {half}]",
+            DEEP * RADIUS
+        );
+        let mut snow =
+            Snow { name, what: String::new(), table, middle: 0.0, top: DEEP * RADIUS, expected };
+        let scene = scene(&snow, EXPECTED[1].0, 16);
+        stage.write_scene(name, &scene)?;
+        let told = stage.deposit(section, name)?;
+        let fraction = told["union_solid_fraction"].as_f64().context("no solid fraction")?;
+        snow.what = format!("`rule = \"{rule}\"`, phi = {fraction:.3}");
+        snows.push(snow);
+    }
+    Ok(snows)
+}
+
+fn scene(snow: &Snow, pixel: f64, pixels: u32) -> String {
+    let (middle, top) = (snow.middle, snow.top);
+    let height = f64::from(pixels) * pixel * RADIUS;
+    format!(
+        "# Flat snow from above.\nversion = 1\n\n[film]\nwidth = {pixels}\nheight = {pixels}\n\n[camera]\n\
+         kind = \"orthographic\"\nfrom = [{middle}, {}, {middle}]\nat = [{middle}, {top}, {middle}]\n\
+         up = [0, 0, -1]\nheight = {height}\n\n[[light]]\nkind = \"overcast\"\n\n[[object]]\nshape = \"plane\"\n\
+         albedo = 1\n\n[[snow]]\n{}\n",
+        top + 0.1,
+        snow.table
+    )
+}
+
+/// Pixels across, and samples of each, for pixels of a width in radii.
+fn sampling(stage: &Stage, pixel: f64) -> (u32, u32) {
+    if pixel > 2.0 {
+        (stage.choose(60, 40), stage.choose(256, 128))
+    } else {
+        (stage.choose(96, 64), stage.choose(64, 32))
+    }
+}
+
+/// The side in pixels of what is taken for wider than grains; odd.
+fn side(pixel: f64) -> usize {
+    ((WIDEST / pixel).round() as usize | 1).max(9)
+}
+
+fn measure(stage: &Stage, section: &mut Section, snow: &Snow) -> Result<Vec<String>> {
+    let mut row = vec![snow.what.clone()];
+    let mut comparison = snow.expected.map(|fraction| {
+        let percent = 100.0 * TOLERANCES[fraction];
+        Comparison::new(format!("contrast over that expected, {}", snow.what), format!("{percent:.0} %"))
+    });
+    for (pixel, contrasts) in EXPECTED {
+        let (pixels, samples) = sampling(stage, pixel);
+        let scene = scene(snow, pixel, pixels);
+        let picture = stage.render(section, (snow.name, &scene), &format!("--spp {samples}"))?;
+        let contrast = Patch::of(&picture)?.contrast(side(pixel));
+        row.push(format!("{contrast:.3}"));
+        if let (Some(fraction), Some(comparison)) = (snow.expected, &mut comparison) {
+            let name = format!("pixel {pixel} r: contrast {contrast:.4}");
+            comparison.compare(&name, contrast / contrasts[fraction], 1.0, TOLERANCES[fraction]);
+        }
+    }
+    if let Some(comparison) = comparison {
+        section.add(comparison);
+    }
+    Ok(row)
+}
+
+fn lambert(stage: &Stage, section: &mut Section) -> Result<Vec<String>> {
+    let snow = Snow {
+        name: "contrast-lambert",
+        what: String::new(),
+        table: String::new(),
+        middle: 0.0,
+        top: DEEP * RADIUS,
+        expected: None,
+    };
+    let half = 0.5 * ACROSS * RADIUS;
+    let block = format!(
+        "[[object]]\nshape = \"box\"\nalbedo = 0.95\nscale = [{half}, {}, {half}]\ntranslate = [0, {}, 0]\n",
+        0.5 * snow.top,
+        0.5 * snow.top
+    );
+    let mut comparison =
+        Comparison::new("contrast of a Lambertian block of the same shape", format!("{NONE}"));
+    let mut row = vec!["a Lambertian block".to_owned()];
+    for (pixel, _) in EXPECTED {
+        let (pixels, samples) = sampling(stage, pixel);
+        let scene = scene(&snow, pixel, pixels).replace("[[snow]]\n\n", &block);
+        let picture = stage.render(section, (snow.name, &scene), &format!("--spp {samples}"))?;
+        let contrast = Patch::of(&picture)?.contrast(side(pixel));
+        row.push(format!("{contrast:.3}"));
+        comparison.compare(&format!("pixel {pixel} r"), contrast, 0.0, NONE);
+    }
+    section.add(comparison);
+    Ok(row)
+}
