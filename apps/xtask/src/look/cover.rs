@@ -26,7 +26,7 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
             stage.choose(0.001, 0.002)
         );
         let found = stage.table(&mut section, &command)?;
-        let over = |ground: &str| found.find(&[("ground", ground)]);
+        let over = |ground: &str| found.find(&[("ground_albedo", ground)]);
         let (r, t) = (over("0")?.number("R")?, over("0")?.number("T")?);
         for (channel, albedo) in GROUND {
             let a: f64 = albedo.parse()?;

@@ -5,6 +5,7 @@ use super::patch::Patch;
 use super::stage::Stage;
 use crate::report::{Comparison, Section};
 use anyhow::Result;
+use snowgrain_math::trig;
 
 /// Bidirectional reflectance factor at 60 degrees forward over that at the nadir, of smooth spheres under a
 /// sun at the zenith angle of 60 degrees, 550 nm; of natural snow it is 1.11.
@@ -55,7 +56,7 @@ fn pictured(stage: &Stage, section: &mut Section, (field, name): (Field, &str)) 
     let tables = field.tables(stage)?;
     let (middle, top) = (Field::MIDDLE, Field::TOP);
     // The sun is at +x, so the camera looks towards it from -x.
-    let (sin, cos) = snowgrain_math::trig::sin_cos(60f64.to_radians());
+    let (sin, cos) = trig::sin_cos(60f64.to_radians());
     let mut means = Vec::new();
     for (view, from) in [
         ("above", [middle, top + 0.2, middle]),

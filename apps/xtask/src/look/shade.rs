@@ -19,6 +19,8 @@ const CHROMATICITY_TOLERANCE: f64 = 0.003;
 /// b* of shade on snow once the sunlit snow is white: below this, and how far below it may be.
 const LEAST_BLUE: f64 = -10.0;
 const MOST_BLUE: f64 = -60.0;
+/// Most pixels of shade with a channel of 0 or 255.
+const CUT_OFF: f64 = 0.005;
 /// Distance of shade that is measured from the edge, transport lengths.
 const FROM_EDGE: f64 = 4.0;
 /// Zenith angle of the sun in the picture of a shadow, degrees.
@@ -106,14 +108,9 @@ fn shadow(stage: &Stage, section: &mut Section) -> Result<()> {
             format!("{:.1} %", 100.0 * shade.cut_off),
         ]);
         if field == Field::Grains {
-            let (middle, half) =
-                (0.5 * (LEAST_BLUE + MOST_BLUE), 0.5 * (LEAST_BLUE - MOST_BLUE));
-            let mut comparison = Comparison::new("b* of shade on snow", "-60 to -10");
-            comparison.compare("b*", shade.lab[2], middle, half);
-            section.add(comparison);
-            let what = "pixels of shade that are black or cut off in a channel";
-            let mut comparison = Comparison::new(what, ".005");
-            comparison.compare("part", shade.cut_off, 0.0, 0.005);
+            let mut comparison = Comparison::new("shade on snow", "as named");
+            comparison.within("b*", shade.lab[2], [MOST_BLUE, LEAST_BLUE]);
+            comparison.within("part that is black or cut off in a channel", shade.cut_off, [0.0, CUT_OFF]);
             section.add(comparison);
         }
     }

@@ -21,7 +21,7 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
         &format!(
             "optics albedo {SLAB} --depth 5mm,10mm,20mm,50mm --diffuse --wavelengths 400 --ice-k \
              warren-brandt-2008 --stderr {}",
-            stage.choose(0.002, 0.004)
+            stage.choose(0.001, 0.002)
         ),
     )?;
     let mut comparison = Comparison::new("light let through, over that expected", "5 %");
