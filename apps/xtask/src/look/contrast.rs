@@ -11,12 +11,20 @@ const EXPECTED: [(f64, [f64; 2]); 3] =
 /// Tolerances as parts of what is expected: .02 of .07, .04 of .17.
 const TOLERANCES: [f64; 2] = [0.02 / 0.07, 0.04 / 0.17];
 /// Most that a Lambertian surface may show, a matter of noise alone.
-const NONE: f64 = 0.004;
+const NONE: f64 = 0.006;
 /// Structure wider than this many radii is not that of grains.
 const WIDEST: f64 = 16.0;
-/// How wide and deep the snow is, radii.
+/// How wide the snow is, and how deep where its contrast is judged, radii.
 const ACROSS: f64 = 400.0;
-const DEEP: f64 = 30.0;
+const DEEP: f64 = 40.0;
+/// Other rules, depths and albedos of the ground, to tell of.
+const TOLD: [(&str, &str, f64, f64); 5] = [
+    ("contrast-roll", "roll", DEEP, 0.0),
+    ("contrast-stick", "stick", DEEP, 0.0),
+    ("contrast-shallow", "ray", 0.5 * DEEP, 0.0),
+    ("contrast-deep", "ray", 2.0 * DEEP, 0.0),
+    ("contrast-white", "ray", DEEP, 1.0),
+];
 
 /// The snow of a scene.
 struct Snow {
@@ -26,15 +34,24 @@ struct Snow {
     /// Where the middle of it is, along x and z, and its upper end, metres.
     middle: f64,
     top: f64,
+    /// Albedo of the ground.
+    ground: f64,
+    /// Which of the expected contrasts is judged.
     expected: Option<usize>,
 }
 
 pub(super) fn section(stage: &Stage) -> Result<Section> {
     let mut section = Section::new("Contrast of grains");
     section.say(format!(
-        "Flat snow, {DEEP} radii deep over white ground, {ACROSS} radii wide, under a CIE overcast sky, seen from \
-         above by parallel rays. Contrast: standard deviation over mean of green; structure wider than {WIDEST} radii \
-         (9 pixels, if that is more) and the noise that the variance layer tells are taken away."
+        "Flat snow under a CIE overcast sky, seen from above by parallel rays, {ACROSS} radii wide. Contrast: standard \
+         deviation over mean of green; structure wider than {WIDEST} radii (9 pixels, if that is more) and the noise that \
+         the variance layer tells are taken away."
+    ));
+    section.say(format!(
+        "The figures expected name no depth, and it matters: snow that absorbs nothing, over white ground under one sky, \
+         is as bright as that sky wherever one looks, and has no contrast at all. What shows is where light is lost, \
+         below. Judged are {DEEP} radii over black ground, the least depth of the transport that these figures come from; \
+         the table tells how contrast falls with depth and with white ground."
     ));
     let mut told = Vec::new();
     for snow in snows(stage, &mut section)? {
@@ -48,12 +65,8 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
 /// The packings, those that are judged first.
 fn snows(stage: &Stage, section: &mut Section) -> Result<Vec<Snow>> {
     let side = ACROSS * RADIUS;
-    let pack = Pack {
-        file: "phi_0.20.ply",
-        solid_fraction: 0.2,
-        width: side,
-        depth: DEEP * RADIUS,
-    };
+    let pack =
+        Pack { file: "phi_0.20.ply", solid_fraction: 0.2, width: side, depth: DEEP * RADIUS };
     stage.write_pack(&pack)?;
     let mut snows = vec![Snow {
         name: "contrast-random",
@@ -61,30 +74,36 @@ fn snows(stage: &Stage, section: &mut Section) -> Result<Vec<Snow>> {
         table: format!("source = \"file\"\nfile = \"{}\"", pack.file),
         middle: 0.5 * side,
         top: pack.depth,
+        ground: 0.0,
         expected: Some(1),
     }];
-    for (rule, expected) in [("ray", Some(0)), ("roll", None), ("stick", None)] {
-        let name = match rule {
-            "ray" => "contrast-ray",
-            "roll" => "contrast-roll",
-            _ => "contrast-stick",
-        };
-        let half = 0.5 * side;
-        let table = format!(
-            "source = \"deposit\"\nrule = \"{rule}\"\nradius = {RADIUS}\ndepth = {}\n\
-             area = [-{half}, -{half}, {half}, {half}]",
-            DEEP * RADIUS
-        );
-        let mut snow =
-            Snow { name, what: String::new(), table, middle: 0.0, top: DEEP * RADIUS, expected };
-        let scene = scene(&snow, EXPECTED[1].0, 16);
-        stage.write_scene(name, &scene)?;
-        let told = stage.deposit(section, name)?;
-        let fraction = told["union_solid_fraction"].as_f64().context("no solid fraction")?;
-        snow.what = format!("`rule = \"{rule}\"`, phi = {fraction:.3}");
-        snows.push(snow);
+    snows.push(fallen(stage, section, ("contrast-ray", "ray", DEEP, 0.0), Some(0))?);
+    for told in TOLD {
+        snows.push(fallen(stage, section, told, None)?);
     }
     Ok(snows)
+}
+
+/// Snow that fell by a rule, and how dense it is.
+fn fallen(
+    stage: &Stage,
+    section: &mut Section,
+    (name, rule, deep, ground): (&'static str, &str, f64, f64),
+    expected: Option<usize>,
+) -> Result<Snow> {
+    let (half, top) = (0.5 * ACROSS * RADIUS, deep * RADIUS);
+    let table = format!(
+        "source = \"deposit\"\nrule = \"{rule}\"\nradius = {RADIUS}\ndepth = {top}\n\
+         area = [-{half}, -{half}, {half}, {half}]"
+    );
+    let mut snow = Snow { name, what: String::new(), table, middle: 0.0, top, ground, expected };
+    stage.write_scene(name, &scene(&snow, EXPECTED[1].0, 16))?;
+    let told = stage.deposit(section, name)?;
+    let fraction = told["union_solid_fraction"].as_f64().context("no solid fraction")?;
+    let ground = if ground > 0.0 { "white" } else { "black" };
+    snow.what =
+        format!("`rule = \"{rule}\"`, phi = {fraction:.3}, {deep} radii deep over {ground} ground");
+    Ok(snow)
 }
 
 fn scene(snow: &Snow, pixel: f64, pixels: u32) -> String {
@@ -94,8 +113,9 @@ fn scene(snow: &Snow, pixel: f64, pixels: u32) -> String {
         "# Flat snow from above.\nversion = 1\n\n[film]\nwidth = {pixels}\nheight = {pixels}\n\n[camera]\n\
          kind = \"orthographic\"\nfrom = [{middle}, {}, {middle}]\nat = [{middle}, {top}, {middle}]\n\
          up = [0, 0, -1]\nheight = {height}\n\n[[light]]\nkind = \"overcast\"\n\n[[object]]\nshape = \"plane\"\n\
-         albedo = 1\n\n[[snow]]\n{}\n",
+         albedo = {}\n\n[[snow]]\n{}\n",
         top + 0.1,
+        snow.ground,
         snow.table
     )
 }
@@ -103,11 +123,14 @@ fn scene(snow: &Snow, pixel: f64, pixels: u32) -> String {
 /// Pixels across, and samples of each, for pixels of a width in radii.
 fn sampling(stage: &Stage, pixel: f64) -> (u32, u32) {
     if pixel > 2.0 {
-        (stage.choose(60, 40), stage.choose(256, 128))
+        (stage.choose(60, 40), stage.choose(512, 256))
     } else {
         (stage.choose(96, 64), stage.choose(64, 32))
     }
 }
+
+/// How many more samples the Lambertian block takes: it is quick, and all its contrast would be noise.
+const LAMBERTIAN_SAMPLES: u32 = 8;
 
 /// The side in pixels of what is taken for wider than grains; odd.
 fn side(pixel: f64) -> usize {
@@ -118,7 +141,10 @@ fn measure(stage: &Stage, section: &mut Section, snow: &Snow) -> Result<Vec<Stri
     let mut row = vec![snow.what.clone()];
     let mut comparison = snow.expected.map(|fraction| {
         let percent = 100.0 * TOLERANCES[fraction];
-        Comparison::new(format!("contrast over that expected, {}", snow.what), format!("{percent:.0} %"))
+        Comparison::new(
+            format!("contrast over that expected, {}", snow.what),
+            format!("{percent:.0} %"),
+        )
     });
     for (pixel, contrasts) in EXPECTED {
         let (pixels, samples) = sampling(stage, pixel);
@@ -144,6 +170,7 @@ fn lambert(stage: &Stage, section: &mut Section) -> Result<Vec<String>> {
         table: String::new(),
         middle: 0.0,
         top: DEEP * RADIUS,
+        ground: 0.0,
         expected: None,
     };
     let half = 0.5 * ACROSS * RADIUS;
@@ -157,6 +184,7 @@ fn lambert(stage: &Stage, section: &mut Section) -> Result<Vec<String>> {
     let mut row = vec!["a Lambertian block".to_owned()];
     for (pixel, _) in EXPECTED {
         let (pixels, samples) = sampling(stage, pixel);
+        let samples = LAMBERTIAN_SAMPLES * samples;
         let scene = scene(&snow, pixel, pixels).replace("[[snow]]\n\n", &block);
         let picture = stage.render(section, (snow.name, &scene), &format!("--spp {samples}"))?;
         let contrast = Patch::of(&picture)?.contrast(side(pixel));

@@ -62,10 +62,8 @@ fn pictured(stage: &Stage, section: &mut Section, (field, name): (Field, &str)) 
         ("above", [middle, top + 0.2, middle]),
         ("forward", [middle - 0.2 * sin, top + 0.2 * cos, middle]),
     ] {
-        let scene = format!(
-            "# Deep snow against the sun.\n{}{light}{tables}",
-            field::camera(16, 16, from)
-        );
+        let scene =
+            format!("# Deep snow against the sun.\n{}{light}{tables}", field::camera(16, 16, from));
         let name = format!("{name}-{view}");
         let options = format!("--spp {}", stage.choose(512, 128));
         means.push(Patch::of(&stage.render(section, (&name, &scene), &options)?)?.mean());

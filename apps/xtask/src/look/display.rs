@@ -39,7 +39,8 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
          The Lambertian twin is the bare stones, white: its range is that of their roundness.",
     );
     let mut rows = Vec::new();
-    for (name, what, tables) in [("sunlit", "snow", snow()), ("sunlit-lambert", "Lambertian", String::new())]
+    for (name, what, tables) in
+        [("sunlit", "snow", snow()), ("sunlit-lambert", "Lambertian", String::new())]
     {
         let scene = scene(&tables);
         let (size, samples) = stage.choose(("160x120", 192), ("96x72", 96));
@@ -95,8 +96,7 @@ impl Shown {
         };
         let shown = to_8_bit(picture, &how)?.values;
         let codes = |pixel: usize| [0, 1, 2].map(|channel| shown[3 * pixel + channel]);
-        let levels: Vec<f64> =
-            light::of_all(picture)?.into_iter().map(light::luminance).collect();
+        let levels: Vec<f64> = light::of_all(picture)?.into_iter().map(light::luminance).collect();
         let level = light::quantile(&levels, 0.95);
         let body = |pixel: &usize| (0.5 * level..=2.0 * level).contains(&levels[*pixel]);
         let body: Vec<usize> = (0..levels.len()).filter(body).collect();
@@ -105,7 +105,9 @@ impl Shown {
         let mean = |axis: usize| labs.iter().map(|lab| lab[axis]).sum::<f64>() / labs.len() as f64;
         let glints = light::of_group(picture, GLINTS);
         let is_glint = |pixel: &usize| {
-            glints.as_ref().is_some_and(|glints| light::luminance(glints[*pixel]) > GLINT * levels[*pixel])
+            glints
+                .as_ref()
+                .is_some_and(|glints| light::luminance(glints[*pixel]) > GLINT * levels[*pixel])
         };
         let plain: Vec<usize> = (0..levels.len()).filter(|pixel| !is_glint(pixel)).collect();
         let cut_off = |pixel: &&usize| codes(**pixel).iter().any(|&code| code >= CUT_OFF_CODE);
@@ -133,7 +135,11 @@ impl Shown {
     fn compare(&self, curve: &str) -> Comparison {
         let mut comparison = Comparison::new(format!("sunlit snow, {curve}"), "as named");
         comparison.within("median code of the body", self.median, MEDIAN);
-        comparison.within("part of pixels at 254 and more, but glints", self.cut_off, [0.0, CUT_OFF]);
+        comparison.within(
+            "part of pixels at 254 and more, but glints",
+            self.cut_off,
+            [0.0, CUT_OFF],
+        );
         comparison.within("codes from 5 to 95 %", self.range[1] - self.range[0], [RANGE, 255.0]);
         for (axis, value) in ["a* of the body", "b* of the body"].iter().zip(self.neutral) {
             comparison.within(axis, value, [-NEUTRAL, NEUTRAL]);

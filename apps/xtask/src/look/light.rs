@@ -49,5 +49,8 @@ pub(super) fn mean(colours: &[DVec3]) -> DVec3 {
 pub(super) fn quantile(values: &[f64], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted.get((part * (sorted.len().saturating_sub(1)) as f64) as usize).copied().unwrap_or(f64::NAN)
+    sorted
+        .get((part * (sorted.len().saturating_sub(1)) as f64) as usize)
+        .copied()
+        .unwrap_or(f64::NAN)
 }

@@ -36,9 +36,8 @@ impl Patch {
         let height = self.values.len() / self.width;
         let (mut signal, mut noise) = (0.0, 0.0);
         for (y, x) in (0..height).flat_map(|y| (0..self.width).map(move |x| (y, x))) {
-            let about = |at: usize, size: usize| {
-                at.saturating_sub(side / 2)..(at + side / 2 + 1).min(size)
-            };
+            let about =
+                |at: usize, size: usize| at.saturating_sub(side / 2)..(at + side / 2 + 1).min(size);
             let (rows, columns) = (about(y, height), about(x, self.width));
             let count = (rows.len() * columns.len()) as f64;
             let sum: f64 = rows
@@ -73,8 +72,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 /// place is where the edge first passes the level, coming from its lower end, between two values.
 pub(super) fn edge_width(edge: &[f64], levels: [f64; 2]) -> Option<f64> {
     let rising = edge.last()? > edge.first()?;
-    let edge: Vec<f64> =
-        if rising { edge.to_vec() } else { edge.iter().rev().copied().collect() };
+    let edge: Vec<f64> = if rising { edge.to_vec() } else { edge.iter().rev().copied().collect() };
     let place = |level: f64| {
         let at = edge.windows(2).position(|pair| pair[0] < level && pair[1] >= level)?;
         Some(at as f64 + (level - edge[at]) / (edge[at + 1] - edge[at]))

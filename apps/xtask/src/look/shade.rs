@@ -5,8 +5,8 @@ use super::stage::Stage;
 use super::{lab, light};
 use crate::report::{Comparison, Section};
 use anyhow::Result;
-use snowgrain_film::develop::{Curve, Development, Exposure, WhiteBalance, to_8_bit};
 use snowgrain_film::Picture;
+use snowgrain_film::develop::{Curve, Development, Exposure, WhiteBalance, to_8_bit};
 use snowgrain_math::{DVec3, trig};
 
 /// Zenith angles of the sun, degrees, and by how many stops shade is darker than sunlit ground.
@@ -46,7 +46,8 @@ fn sun_and_sky(zenith: f64) -> String {
 
 /// How much darker shade is, and the colours of the light.
 fn ground(stage: &Stage, section: &mut Section) -> Result<()> {
-    let mut stops = Comparison::new("stops of shade under sunlit ground", format!("{STOPS_TOLERANCE}"));
+    let mut stops =
+        Comparison::new("stops of shade under sunlit ground", format!("{STOPS_TOLERANCE}"));
     let mut colours =
         Comparison::new("x, y of sky and of both", format!("{CHROMATICITY_TOLERANCE}"));
     let mut rows = Vec::new();
@@ -61,12 +62,16 @@ fn ground(stage: &Stage, section: &mut Section) -> Result<()> {
         let picture = stage.render(section, ("ground", &scene), &options)?;
         let both = light::mean(&light::of_all(&picture)?);
         let sky = both - light::mean(&light::of_sun(&picture)?);
-        let darker = trig::ln(light::luminance(both) / light::luminance(sky)) * core::f64::consts::LOG2_E;
+        let darker =
+            trig::ln(light::luminance(both) / light::luminance(sky)) * core::f64::consts::LOG2_E;
         stops.compare(&format!("sun at {zenith}"), darker, expected, STOPS_TOLERANCE);
         let found = [sky, both].map(light::chromaticity);
         if zenith == ZENITH {
-            for (name, found, expected) in [("sky", found[0], SKY), ("both", found[1], SUN_AND_SKY)] {
-                for (axis, name) in [format!("x of {name}"), format!("y of {name}")].iter().enumerate() {
+            for (name, found, expected) in [("sky", found[0], SKY), ("both", found[1], SUN_AND_SKY)]
+            {
+                for (axis, name) in
+                    [format!("x of {name}"), format!("y of {name}")].iter().enumerate()
+                {
                     colours.compare(name, found[axis], expected[axis], CHROMATICITY_TOLERANCE);
                 }
             }
@@ -110,11 +115,18 @@ fn shadow(stage: &Stage, section: &mut Section) -> Result<()> {
         if field == Field::Grains {
             let mut comparison = Comparison::new("shade on snow", "as named");
             comparison.within("b*", shade.lab[2], [MOST_BLUE, LEAST_BLUE]);
-            comparison.within("part that is black or cut off in a channel", shade.cut_off, [0.0, CUT_OFF]);
+            comparison.within(
+                "part that is black or cut off in a channel",
+                shade.cut_off,
+                [0.0, CUT_OFF],
+            );
             section.add(comparison);
         }
     }
-    section.table(&["surface", "stops under sunlit", "L*, a*, b* of shade", "black or cut off"], &rows);
+    section.table(
+        &["surface", "stops under sunlit", "L*, a*, b* of shade", "black or cut off"],
+        &rows,
+    );
     Ok(())
 }
 
@@ -150,7 +162,8 @@ impl Shade {
             (0..colours.len()).filter(move |pixel| range.contains(&(pixel % width)))
         };
         // The board rises from the edge, so its shadow falls to the left of it.
-        let (shaded, lit) = (columns(0..width / 2 - from_edge), columns(width / 2 + from_edge..width));
+        let (shaded, lit) =
+            (columns(0..width / 2 - from_edge), columns(width / 2 + from_edge..width));
         let level = |pixels: &mut dyn Iterator<Item = usize>| {
             light::luminance(light::mean(&pixels.map(|pixel| colours[pixel]).collect::<Vec<_>>()))
         };
