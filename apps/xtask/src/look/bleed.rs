@@ -99,7 +99,7 @@ fn edge(stage: &Stage, section: &mut Section, field: Field) -> Result<f64> {
         Field::MIDDLE
     );
     let (head, tables) = (field::from_above(64, 24), field.tables(stage)?);
-    let options = format!("--spp {}", stage.choose(256, 64));
+    let options = format!("--spp {}", stage.choose(128, 64));
     let mut columns = Vec::new();
     for (suffix, roof) in [("-open", ""), ("-roof", roof.as_str())] {
         let scene = format!("# The edge of a shadow.\n{head}{light}{roof}{tables}");

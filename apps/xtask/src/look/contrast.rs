@@ -97,7 +97,7 @@ fn fallen(
          area = [-{half}, -{half}, {half}, {half}]"
     );
     let mut snow = Snow { name, what: String::new(), table, middle: 0.0, top, ground, expected };
-    stage.write_scene(name, &scene(&snow, EXPECTED[1].0, 16))?;
+    stage.write_scene(name, &scene(&snow))?;
     let told = stage.deposit(section, name)?;
     let fraction = told["union_solid_fraction"].as_f64().context("no solid fraction")?;
     let ground = if ground > 0.0 { "white" } else { "black" };
@@ -106,13 +106,13 @@ fn fallen(
     Ok(snow)
 }
 
-fn scene(snow: &Snow, pixel: f64, pixels: u32) -> String {
+/// A scene whose picture is one metre high; the options of [`sampling`] say otherwise.
+fn scene(snow: &Snow) -> String {
     let (middle, top) = (snow.middle, snow.top);
-    let height = f64::from(pixels) * pixel * RADIUS;
     format!(
-        "# Flat snow from above.\nversion = 1\n\n[film]\nwidth = {pixels}\nheight = {pixels}\n\n[camera]\n\
+        "# Flat snow from above.\nversion = 1\n\n[camera]\n\
          kind = \"orthographic\"\nfrom = [{middle}, {}, {middle}]\nat = [{middle}, {top}, {middle}]\n\
-         up = [0, 0, -1]\nheight = {height}\n\n[[light]]\nkind = \"overcast\"\n\n[[object]]\nshape = \"plane\"\n\
+         up = [0, 0, -1]\nheight = 1\n\n[[light]]\nkind = \"overcast\"\n\n[[object]]\nshape = \"plane\"\n\
          albedo = {}\n\n[[snow]]\n{}\n",
         top + 0.1,
         snow.ground,
@@ -120,13 +120,15 @@ fn scene(snow: &Snow, pixel: f64, pixels: u32) -> String {
     )
 }
 
-/// Pixels across, and samples of each, for pixels of a width in radii.
-fn sampling(stage: &Stage, pixel: f64) -> (u32, u32) {
-    if pixel > 2.0 {
+/// The options for pixels of a width in radii, `more` times as many samples as grains need.
+fn sampling(stage: &Stage, pixel: f64, more: u32) -> String {
+    let (pixels, samples): (u32, u32) = if pixel > 2.0 {
         (stage.choose(60, 40), stage.choose(512, 256))
     } else {
         (stage.choose(96, 64), stage.choose(64, 32))
-    }
+    };
+    let height = f64::from(pixels) * pixel * RADIUS;
+    format!("--size {pixels}x{pixels} --spp {} --set camera.height={height}", more * samples)
 }
 
 /// How many more samples the Lambertian block takes: it is quick, and all its contrast would be noise.
@@ -147,9 +149,8 @@ fn measure(stage: &Stage, section: &mut Section, snow: &Snow) -> Result<Vec<Stri
         )
     });
     for (pixel, contrasts) in EXPECTED {
-        let (pixels, samples) = sampling(stage, pixel);
-        let scene = scene(snow, pixel, pixels);
-        let picture = stage.render(section, (snow.name, &scene), &format!("--spp {samples}"))?;
+        let options = sampling(stage, pixel, 1);
+        let picture = stage.render(section, (snow.name, &scene(snow)), &options)?;
         let contrast = Patch::of(&picture)?.contrast(side(pixel));
         row.push(format!("{contrast:.3}"));
         if let (Some(fraction), Some(comparison)) = (snow.expected, &mut comparison) {
@@ -179,14 +180,13 @@ fn lambert(stage: &Stage, section: &mut Section) -> Result<Vec<String>> {
         0.5 * snow.top,
         0.5 * snow.top
     );
+    let scene = scene(&snow).replace("[[snow]]\n\n", &block);
     let mut comparison =
         Comparison::new("contrast of a Lambertian block of the same shape", format!("{NONE}"));
     let mut row = vec!["a Lambertian block".to_owned()];
     for (pixel, _) in EXPECTED {
-        let (pixels, samples) = sampling(stage, pixel);
-        let samples = LAMBERTIAN_SAMPLES * samples;
-        let scene = scene(&snow, pixel, pixels).replace("[[snow]]\n\n", &block);
-        let picture = stage.render(section, (snow.name, &scene), &format!("--spp {samples}"))?;
+        let options = sampling(stage, pixel, LAMBERTIAN_SAMPLES);
+        let picture = stage.render(section, (snow.name, &scene), &options)?;
         let contrast = Patch::of(&picture)?.contrast(side(pixel));
         row.push(format!("{contrast:.3}"));
         comparison.compare(&format!("pixel {pixel} r"), contrast, 0.0, NONE);

@@ -13,7 +13,7 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
     section.say(
         "The colour of thin snow over coloured ground under diffuse light, R' = R + a T^2/(1 - a R), with the R and T \
          of the same snow over black ground (Kubelka's layers, for a ground of albedo a); r = .25 mm, 150 kg/m^3, \
-         traced exactly at 550 nm. Over thinner snow it stops to hold: what comes through is not diffuse.",
+         traced exactly at 550 nm.",
     );
     let mut comparison = Comparison::new("R' of each channel over that of the formula", "3 %");
     let mut rows = Vec::new();

@@ -65,7 +65,7 @@ fn pictured(stage: &Stage, section: &mut Section, (field, name): (Field, &str)) 
         let scene =
             format!("# Deep snow against the sun.\n{}{light}{tables}", field::camera(16, 16, from));
         let name = format!("{name}-{view}");
-        let options = format!("--spp {}", stage.choose(512, 128));
+        let options = format!("--spp {}", stage.choose(256, 128));
         means.push(Patch::of(&stage.render(section, (&name, &scene), &options)?)?.mean());
     }
     Ok(means[1] / means[0])

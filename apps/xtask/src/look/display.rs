@@ -43,7 +43,7 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
         [("sunlit", "snow", snow()), ("sunlit-lambert", "Lambertian", String::new())]
     {
         let scene = scene(&tables);
-        let (size, samples) = stage.choose(("160x120", 192), ("96x72", 96));
+        let (size, samples) = stage.choose(("128x96", 128), ("96x72", 96));
         let options = format!("--size {size} --spp {samples}");
         let picture = stage.render(&mut section, (name, &scene), &options)?;
         for (curve, option) in CURVES {

@@ -51,14 +51,15 @@ fn ground(stage: &Stage, section: &mut Section) -> Result<()> {
     let mut colours =
         Comparison::new("x, y of sky and of both", format!("{CHROMATICITY_TOLERANCE}"));
     let mut rows = Vec::new();
+    let scene = format!(
+        "# Diffuse ground under a clear sky.\n{}{}{}",
+        field::from_above(8, 8),
+        sun_and_sky(ZENITH),
+        Field::Lambertian.tables(stage)?
+    );
     for (zenith, expected) in STOPS {
-        let scene = format!(
-            "# Diffuse ground under a clear sky.\n{}{}{}",
-            field::from_above(8, 8),
-            sun_and_sky(zenith),
-            Field::Lambertian.tables(stage)?
-        );
-        let options = format!("--spp {}", stage.choose(1024, 256));
+        let (samples, elevation) = (stage.choose(1024, 256), 90.0 - zenith);
+        let options = format!("--spp {samples} --set light.elevation={elevation:.1}");
         let picture = stage.render(section, ("ground", &scene), &options)?;
         let both = light::mean(&light::of_all(&picture)?);
         let sky = both - light::mean(&light::of_sun(&picture)?);
@@ -102,7 +103,7 @@ fn shadow(stage: &Stage, section: &mut Section) -> Result<()> {
             board(),
             field.tables(stage)?
         );
-        let options = format!("--spp {}", stage.choose(256, 64));
+        let options = format!("--spp {}", stage.choose(128, 64));
         let picture = stage.render(section, (name, &scene), &options)?;
         let shade = Shade::of(&picture)?;
         let what = if field == Field::Grains { "snow" } else { "Lambertian block" };
