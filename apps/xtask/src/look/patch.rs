@@ -83,11 +83,11 @@ pub(super) fn edge_width(edge: &[f64], levels: [f64; 2]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use snowgrain_math::sampler::pcg3d;
 
-    /// Numbers between 0 and 1 that look random.
+    /// Independent numbers between 0 and 1.
     fn noise(count: u32) -> Vec<f64> {
-        let scattered = |n: u32| f64::from((n * 7919) % 10_007 * 31 % 10_007) / 10_007.0;
-        (0..count).map(scattered).collect()
+        (0..count).map(|n| f64::from(pcg3d(n, 0, 0)[0]) / f64::from(u32::MAX)).collect()
     }
 
     #[test]
