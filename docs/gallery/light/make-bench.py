@@ -70,7 +70,8 @@ lamp = mesh("lamp", *turned([(0, 0), (0.016, 0), (0.014, 0.008), (0.005, 0.016),
                              (0.013, 0.154), (0.017, 0.182), (0.021, 0.184), (0.003, 0.203), (0, 0.206)]), 1)
 fir = mesh("fir", *turned([(0, 0), (0.008, 0), (0.008, 0.03), (0.062, 0.034), (0.024, 0.09),
                            (0.048, 0.093), (0.016, 0.145), (0.033, 0.148), (0, 0.205)]), 2)
-lawn = mesh("lawn", *block((0.26, 0.004, 0.22)), 3)
+lawn = mesh("lawn", *block((0.34, 0.004, 0.27)), 3)
+wall = mesh("wall", *block((0.36, 0.15, 0.008)), 4)
 for row in range(3):
     node(plank, "seat", [0, 0.0425, 0.018 * (row - 1)])
 for row in range(2):
@@ -83,6 +84,7 @@ node(lamp, "lamp", [0.145, 0, -0.02])
 node(fir, "fir", [-0.155, 0, -0.05])
 node(fir, "small fir", [-0.19, 0, 0.045], scale=[0.62, 0.55, 0.62])
 node(lawn, "lawn", [0, -0.004, 0])
+node(wall, "wall", [0, 0.14, -0.26])
 
 
 def look_at(eye, at):
@@ -113,7 +115,8 @@ document = {
     "cameras": [{"name": "eye", "type": "perspective",
                  "perspective": {"yfov": math.radians(26), "aspectRatio": 4 / 3, "znear": 0.01}}],
     "materials": [material("wood", 0.32, 0.13, 0.05), material("iron", 0.03, 0.04, 0.05),
-                  material("needles", 0.03, 0.10, 0.04), material("lawn", 0.12, 0.12, 0.06)],
+                  material("needles", 0.03, 0.10, 0.04), material("lawn", 0.12, 0.12, 0.06),
+                  material("plaster", 0.16, 0.18, 0.21)],
     "accessors": accessors,
     "bufferViews": views,
     "buffers": [{"byteLength": 0}],

@@ -14,7 +14,7 @@ const TOLERANCES: [f64; 2] = [0.02 / 0.07, 0.04 / 0.17];
 const NONE: f64 = 0.006;
 /// Structure wider than this many radii is not that of grains.
 const WIDEST: f64 = 16.0;
-/// How wide the snow is, and how deep where its contrast is judged, radii.
+/// How wide the snow is, and how deep where its contrast is compared, radii.
 const ACROSS: f64 = 400.0;
 const DEEP: f64 = 40.0;
 /// Other rules, depths and albedos of the ground, to tell of.
@@ -36,7 +36,7 @@ struct Snow {
     top: f64,
     /// Albedo of the ground.
     ground: f64,
-    /// Which of the expected contrasts is judged.
+    /// Which of the expected contrasts it is compared with.
     expected: Option<usize>,
 }
 
@@ -48,10 +48,12 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
          the variance layer tells are taken away."
     ));
     section.say(format!(
-        "The figures expected name no depth, and it matters: snow that absorbs nothing, over white ground under one sky, \
-         is as bright as that sky wherever one looks, and has no contrast at all. What shows is where light is lost, \
-         below. Judged are {DEEP} radii over black ground, the least depth of the transport that these figures come from; \
-         the table tells how contrast falls with depth and with white ground."
+        "The figures expected name neither depth nor surface, and both matter: snow that absorbs nothing, over white \
+         ground under one sky, is as bright as that sky wherever one looks, and has no contrast at all. What shows is where \
+         light is lost, below, and the relief of what fell. They are therefore told, not judged: packs of about their \
+         solid fractions, {DEEP} radii deep over black ground, the least depth of the transport that the figures come \
+         from. The table tells how contrast falls with depth and with white ground. No rule gives .2: `stick` is the \
+         nearest, and a pack at random places, whose surface is flat, has .200."
     ));
     let mut told = Vec::new();
     for snow in snows(stage, &mut section)? {
@@ -62,7 +64,7 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
     Ok(section)
 }
 
-/// The packings, those that are judged first.
+/// The packings, those that are compared first.
 fn snows(stage: &Stage, section: &mut Section) -> Result<Vec<Snow>> {
     let side = ACROSS * RADIUS;
     let pack =
@@ -70,7 +72,9 @@ fn snows(stage: &Stage, section: &mut Section) -> Result<Vec<Snow>> {
     stage.write_pack(&pack)?;
     let mut snows = vec![Snow {
         name: "contrast-random",
-        what: "grains at random places, none touching, phi = .200".into(),
+        what: format!(
+            "grains at random places, none touching, phi = .200, {DEEP} radii deep over black ground"
+        ),
         table: format!("source = \"file\"\nfile = \"{}\"", pack.file),
         middle: 0.5 * side,
         top: pack.depth,
@@ -143,7 +147,7 @@ fn measure(stage: &Stage, section: &mut Section, snow: &Snow) -> Result<Vec<Stri
     let mut row = vec![snow.what.clone()];
     let mut comparison = snow.expected.map(|fraction| {
         let percent = 100.0 * TOLERANCES[fraction];
-        Comparison::new(
+        Comparison::reported(
             format!("contrast over that expected, {}", snow.what),
             format!("{percent:.0} %"),
         )
