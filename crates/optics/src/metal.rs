@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn metals_have_the_reflectances_and_the_hues_of_handbooks() {
-        // Luminous reflectances at normal incidence: CRC Handbook of Chemistry and Physics, 2 eV.
+        // Round figures of handbooks, with room for the colour.
         for (metal, low, high) in [
             (Metal::Aluminium, 0.88, 0.93),
             (Metal::Silver, 0.94, 0.99),

@@ -72,5 +72,5 @@ impl Surface {
 
 /// The slope of the facets of a surface, `None` for a smooth one.
 fn slope(roughness: f64) -> Option<f64> {
-    (roughness >= LEAST_ROUGHNESS).then(|| roughness * roughness)
+    (roughness >= LEAST_ROUGHNESS).then_some(roughness * roughness)
 }

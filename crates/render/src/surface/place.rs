@@ -30,7 +30,7 @@ impl Place {
             SurfaceShape::Sphere => self.to_own.transform_point3(position),
             SurfaceShape::Box => {
                 let axis = [DVec3::X, DVec3::Y, DVec3::Z][(piece / 2).min(2) as usize];
-                if piece % 2 == 0 { -axis } else { axis }
+                if piece.is_multiple_of(2) { -axis } else { axis }
             }
             SurfaceShape::Plane => DVec3::Y,
             SurfaceShape::Mesh(mesh) => {
