@@ -5,7 +5,7 @@
 //! - *Dielectric*: a clear solid, as glass. Its facets reflect and refract by Fresnel's equations; it
 //!   absorbs nothing.
 //!
-//! Both of these are smooth, or rough with microfacets ([`ggx`]) whose light is followed through one
+//! Both of these are smooth, or rough with microfacets (`ggx`) whose light is followed through one
 //! facet: what facets send into other facets is lost. At normal incidence that is 1 % of the light of a
 //! white conductor of roughness .3, 8 % at .5, 30 % at .7 and 69 % at 1.
 

@@ -165,7 +165,7 @@ fn white_metal_loses_what_facets_hide() {
     assert_eq!(kept(0.0), 1.0);
     // The integral over the slopes of the facets, by another program.
     for (roughness, expected) in
-        [(0.3, 0.9907), (0.5, 0.9158), (0.7, 0.6978), (1.0, 1.0 - 2f64.ln())]
+        [(0.3, 0.9907), (0.5, 0.9158), (0.7, 0.6978), (1.0, 1.0 - std::f64::consts::LN_2)]
     {
         let found = kept(roughness);
         assert!((found - expected).abs() < 0.01, "{roughness}: {found}");

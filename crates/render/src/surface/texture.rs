@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(picture.at([0.5, 0.75]), [0.5, 0.5, 0.0]);
         assert_eq!(picture.at([1.0, 0.75]), picture.at([0.0, 0.75]), "it repeats");
         assert_eq!(picture.at([-3.25, 7.25]), picture.at([0.75, 0.25]));
-        assert_eq!(picture.at([f64::MIN_POSITIVE * -1.0, 0.75]), [0.5, 0.5, 0.0]);
+        assert_eq!(picture.at([-f64::MIN_POSITIVE, 0.75]), [0.5, 0.5, 0.0]);
         let mean = (1.0 + picture.at([0.75, 0.25])[0]) / 4.0;
         assert!(picture.mean().iter().all(|c| (c - mean).abs() < 1e-6));
     }
