@@ -11,7 +11,8 @@ use snowgrain_render::light::direction_of;
 use snowgrain_render::surface::Reflectance;
 
 fn metal(reflectance: f32, roughness: f64) -> Surface {
-    Surface::Conductor { reflectance: Reflectance::Colour([reflectance; 3]), roughness }
+    let reflectance = Reflectance::Colour([reflectance; 3]);
+    Surface::Conductor { reflectance, edge: [0.0; 3], roughness }
 }
 
 /// The sun so high, 20 degrees wide.
