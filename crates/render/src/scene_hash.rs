@@ -119,9 +119,10 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
 fn hash_surface(hash: &mut Hash, surface: &Surface) {
     match surface {
         Surface::Diffuse { albedo } => hash_reflectance(hash, albedo),
-        Surface::Conductor { reflectance, roughness } => {
+        Surface::Conductor { reflectance, edge, roughness } => {
             hash.tag("conductor");
             hash_reflectance(hash, reflectance);
+            hash.floats(edge);
             hash.doubles(&[*roughness]);
         }
         Surface::Dielectric { ior, roughness } => {

@@ -62,7 +62,8 @@ impl Material {
             Surface::Diffuse { albedo } => {
                 Kind::Diffuse { albedo: self.part(albedo, hit.id.piece, position) }
             }
-            Surface::Conductor { reflectance, roughness } => Kind::Conductor {
+            Surface::Conductor { reflectance, edge, roughness } => Kind::Conductor {
+                edge: *edge,
                 reflectance: self.part(reflectance, hit.id.piece, position),
                 alpha: slope(*roughness),
             },

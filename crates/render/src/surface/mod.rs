@@ -1,11 +1,12 @@
 //! What objects are made of, and what their surfaces do to light.
 //!
 //! - *Diffuse*: Lambert's surface.
-//! - *Conductor*: a metal. Its facets reflect by Schlick's form of Fresnel's equations.
+//! - *Conductor*: a metal. Its facets reflect by Schlick's form of Fresnel's equations, mended towards
+//!   grazing light.
 //! - *Dielectric*: a clear solid, as glass. Its facets reflect and refract by Fresnel's equations; it
 //!   absorbs nothing.
 //!
-//! Both of these are smooth, or rough with microfacets ([`ggx`]) whose light is followed through one
+//! Both of these are smooth, or rough with microfacets (`ggx`) whose light is followed through one
 //! facet: what facets send into other facets is lost. At normal incidence that is 1 % of the light of a
 //! white conductor of roughness .3, 8 % at .5, 30 % at .7 and 69 % at 1.
 
@@ -37,6 +38,9 @@ pub enum Surface {
     Conductor {
         /// Part of the light that it reflects at normal incidence.
         reflectance: Reflectance,
+        /// What it is less than Schlick's form of it towards grazing light, by channel
+        /// (`snowgrain_optics::Metal::edge`), at least 0; 0 where that is not known.
+        edge: [f32; 3],
         /// In [0, 1]; the slope of its facets is the square, and below [`LEAST_ROUGHNESS`] it is smooth.
         roughness: f64,
     },

@@ -25,7 +25,7 @@ pub(super) enum Kind {
     /// All directions are as bright.
     Diffuse { albedo: [f32; 3] },
     /// A metal of this reflectance at normal incidence, smooth where there is no slope of facets.
-    Conductor { reflectance: [f32; 3], alpha: Option<f64> },
+    Conductor { reflectance: [f32; 3], edge: [f32; 3], alpha: Option<f64> },
     /// A dielectric whose other side has this index of refraction relative to the side of the path.
     Dielectric { relative_index: f64, alpha: Option<f64> },
 }
@@ -74,12 +74,13 @@ impl Scatterer {
                 let direction = frame::cosine_hemisphere(self.normal, [u, v]);
                 Some(Scattered { direction, weight: albedo })
             }
-            Kind::Conductor { reflectance, alpha } => {
+            Kind::Conductor { reflectance, edge, alpha } => {
                 let (outgoing, facet) = self.facet(alpha, [u, v]);
                 let cosine = outgoing.dot(facet).clamp(0.0, 1.0);
                 let local = reflected(outgoing, facet)?;
                 let part = alpha.map_or(1.0, |alpha| unshadowed(alpha, outgoing, local));
-                let weight = schlick(reflectance, cosine).map(|r| (f64::from(r) * part) as f32);
+                let weight = fresnel_of_metal(reflectance, edge, cosine)
+                    .map(|r| (f64::from(r) * part) as f32);
                 Some(Scattered { direction: self.world(local), weight })
             }
             Kind::Dielectric { relative_index, alpha } => {
@@ -124,13 +125,13 @@ impl Scatterer {
     pub fn value(&self, direction: DVec3) -> ([f32; 3], f64) {
         match self.kind {
             Kind::Diffuse { albedo } => (albedo, self.normal.dot(direction).max(0.0) / PI),
-            Kind::Conductor { reflectance, alpha: Some(alpha) } => {
+            Kind::Conductor { reflectance, edge, alpha: Some(alpha) } => {
                 let (outgoing, incoming) = self.frame(direction);
                 let Some(facet) = reflecting(outgoing, incoming) else { return ([0.0; 3], 0.0) };
                 // Walter et al. 2007, eq. 20.
                 let factor = normals(alpha, facet) * seen_both_ways(alpha, outgoing, incoming)
                     / (4.0 * outgoing.z);
-                (schlick(reflectance, outgoing.dot(facet).clamp(0.0, 1.0)), factor)
+                (fresnel_of_metal(reflectance, edge, outgoing.dot(facet).clamp(0.0, 1.0)), factor)
             }
             Kind::Dielectric { relative_index, alpha: Some(alpha) } => {
                 let (outgoing, incoming) = self.frame(direction);
@@ -218,9 +219,13 @@ fn seen_both_ways(alpha: f64, outgoing: DVec3, incoming: DVec3) -> f64 {
 }
 
 /// Reflectance of a metal at an angle of incidence, by that at normal incidence (Schlick 1994, "An
-/// Inexpensive BRDF Model for Physically-based Rendering", eq. 15).
-fn schlick(normal: [f32; 3], cosine: f64) -> [f32; 3] {
-    let x = (1.0 - cosine) as f32;
+/// Inexpensive BRDF Model for Physically-based Rendering", eq. 15) and by what is less towards grazing
+/// light (Hoffman 2019, "Fresnel Equations Considered Harmful", section 4).
+fn fresnel_of_metal(normal: [f32; 3], edge: [f32; 3], cosine: f64) -> [f32; 3] {
+    let (c, x) = (cosine as f32, (1.0 - cosine) as f32);
     let fifth = (x * x) * (x * x) * x;
-    normal.map(|r| r + (1.0 - r) * fifth)
+    std::array::from_fn(|i| {
+        let schlick = normal[i] + (1.0 - normal[i]) * fifth;
+        (schlick - edge[i] * c * fifth * x).clamp(0.0, 1.0)
+    })
 }

@@ -35,7 +35,10 @@ fn rough() -> Vec<Scatterer> {
                 all.push(scatterer(Kind::Dielectric { relative_index, alpha }, cosine));
             }
             let reflectance = [1.0, 0.7, 0.2];
-            all.push(scatterer(Kind::Conductor { reflectance, alpha }, cosine));
+            all.push(scatterer(
+                Kind::Conductor { reflectance, edge: [0.0, 0.5, 1.0], alpha },
+                cosine,
+            ));
         }
     }
     all
@@ -132,7 +135,7 @@ fn weights_are_scattering_over_density_and_no_light_is_gained() {
 fn light_goes_either_way_alike() {
     let cosine = |d: DVec3| d.dot(normal()).abs();
     for alpha in [0.1, 0.6] {
-        let metal = Kind::Conductor { reflectance: [0.3; 3], alpha: Some(alpha) };
+        let metal = Kind::Conductor { reflectance: [0.3; 3], edge: [0.0; 3], alpha: Some(alpha) };
         let glass = |relative_index| Kind::Dielectric { relative_index, alpha: Some(alpha) };
         for i in 0..200u32 {
             let [a, b, c] = numbers(PathKey::new(5, 0, u64::from(i)), 0).map(f64::from);
@@ -157,7 +160,11 @@ fn light_goes_either_way_alike() {
 #[test]
 fn white_metal_loses_what_facets_hide() {
     let kept = |roughness: f64| {
-        let kind = Kind::Conductor { reflectance: [1.0; 3], alpha: super::slope(roughness) };
+        let kind = Kind::Conductor {
+            reflectance: [1.0; 3],
+            edge: [0.0; 3],
+            alpha: super::slope(roughness),
+        };
         let surface = scatterer(kind, 1.0);
         let weights = samples(&surface).map(|s| s.map_or(0.0, |s| f64::from(s.weight[0])));
         weights.sum::<f64>() / f64::from(SAMPLES)
@@ -165,7 +172,7 @@ fn white_metal_loses_what_facets_hide() {
     assert_eq!(kept(0.0), 1.0);
     // The integral over the slopes of the facets, by another program.
     for (roughness, expected) in
-        [(0.3, 0.9907), (0.5, 0.9158), (0.7, 0.6978), (1.0, 1.0 - core::f64::consts::LN_2)]
+        [(0.3, 0.9907), (0.5, 0.9158), (0.7, 0.6978), (1.0, 1.0 - std::f64::consts::LN_2)]
     {
         let found = kept(roughness);
         assert!((found - expected).abs() < 0.01, "{roughness}: {found}");
@@ -197,7 +204,8 @@ fn facets_cover_the_face_from_every_side() {
 
 #[test]
 fn smooth_surfaces_mirror_and_refract() {
-    let mirror = scatterer(Kind::Conductor { reflectance: [0.5; 3], alpha: None }, 0.6);
+    let mirror =
+        scatterer(Kind::Conductor { reflectance: [0.5; 3], edge: [0.0; 3], alpha: None }, 0.6);
     assert!(mirror.is_smooth() && mirror.density(normal()) == 0.0);
     let sample = mirror.sample([0.3, 0.7], || 0.0).unwrap();
     assert!((sample.direction.dot(normal()) - 0.6).abs() < 1e-12);

@@ -69,7 +69,8 @@ fn surface(material: ImportedMaterial) -> Surface {
         None => Reflectance::Colour(colour),
     };
     if metal {
-        return Surface::Conductor { reflectance, roughness: f64::from(material.roughness) };
+        let roughness = f64::from(material.roughness);
+        return Surface::Conductor { reflectance, edge: [0.0; 3], roughness };
     }
     Surface::Diffuse { albedo: reflectance }
 }

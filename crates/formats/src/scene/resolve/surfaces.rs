@@ -52,6 +52,7 @@ pub(super) fn surface(
                 Some(texture) => texture,
                 None => Reflectance::Colour(reflectance(checks, path, table)?),
             },
+            edge: table.metal.map_or([0.0; 3], |metal| known(metal).edge()),
             roughness: roughness(checks, path, table, ROUGHNESS_OF_METAL)?,
         },
         MaterialName::Dielectric => {

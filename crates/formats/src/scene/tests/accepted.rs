@@ -363,11 +363,11 @@ fn objects_are_of_metal_glass_or_pictures() {
     };
     let (gold, _) = of("material = \"conductor\"\nmetal = \"gold\"");
     let reflectance = Reflectance::Colour(Metal::Gold.reflectance());
-    assert_eq!(gold, Surface::Conductor { reflectance, roughness: 0.3 });
+    assert_eq!(gold, Surface::Conductor { reflectance, edge: Metal::Gold.edge(), roughness: 0.3 });
     let (own, _) =
         of("material = \"conductor\"\nreflectance = [1, 0.5, 0]\nroughness = 0\nholdout = true");
     let reflectance = Reflectance::Colour([1.0, 0.5, 0.0]);
-    assert_eq!(own, Surface::Conductor { reflectance, roughness: 0.0 });
+    assert_eq!(own, Surface::Conductor { reflectance, edge: [0.0; 3], roughness: 0.0 });
     let (glass, _) = of("material = \"dielectric\"");
     assert_eq!(glass, Surface::Dielectric { ior: 1.5, roughness: 0.0 });
     let (bark, scene) = of("albedo_texture = \"bark.png\"\ntexture_scale = \"20 cm\"");
