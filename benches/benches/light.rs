@@ -90,7 +90,7 @@ fn lattice(kind: LatticeKind, cells: u32) -> (World, Aabb) {
         World {
             grid,
             surfaces: Surfaces::default(),
-            albedos: Vec::new(),
+            materials: Vec::new(),
             emitters: Vec::new(),
             eta: 1.31,
         },

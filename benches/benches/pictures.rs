@@ -54,6 +54,7 @@ fn scene(name: &str, changes: &[&str]) -> Scene {
         grains: &mut |_| Err("it refers to no file".into()),
         import: &mut |_| Err("it refers to no file".into()),
         environment: &mut |_| Err("it refers to no file".into()),
+        texture: &mut |_| Err("it refers to no file".into()),
     };
     let description = resolve(&file, loader).expect("it is legal");
     Scene::build(&description, &mut |_| ()).expect("its snow can be made")

@@ -77,5 +77,5 @@ pub fn pile(rule: DepositRule, grains: u64, layers: f64) -> (GrainField, [f64; 2
 pub fn world(field: &GrainField, eta: f64, packing: Packing) -> World {
     let surfaces = Surfaces::default();
     let grid = field.pack(&surfaces, packing).expect("equal grains can be packed");
-    World { grid, surfaces, albedos: Vec::new(), emitters: Vec::new(), eta }
+    World { grid, surfaces, materials: Vec::new(), emitters: Vec::new(), eta }
 }

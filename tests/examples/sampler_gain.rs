@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         grains: &mut |_| Err("no grains".into()),
         import: &mut |_| Err("no shots".into()),
         environment: &mut |_| Err("no maps".into()),
+        texture: &mut |_| Err("nor to a picture".into()),
     };
     let mut scene = Scene::build(&resolve(&file, loader)?, &mut |_| ())?;
     let crop = match arguments.get(2..6) {

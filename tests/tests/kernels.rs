@@ -15,8 +15,8 @@ use snowgrain_grains::{
 };
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DAffine3, DVec3, Ray, frame};
-use snowgrain_render::World;
 use snowgrain_render::transport::{self, NewPath, PathResult, PathSource};
+use snowgrain_render::{Material, World};
 use snowgrain_tests::{Oracle, OracleShape, OracleSurface, PathEnd, Search, packs};
 use std::sync::Arc;
 
@@ -168,8 +168,8 @@ impl Case {
                 GrainGrid::lattice(quantisation, &packed, cell.counts, [0; 3], [false; 3])
             }
         };
-        let albedos = self.objects.iter().map(|o| o.2).collect();
-        World { grid: grid.unwrap(), surfaces, albedos, emitters: Vec::new(), eta: self.eta }
+        let materials = self.objects.iter().map(|o| Material::diffuse(o.2)).collect();
+        World { grid: grid.unwrap(), surfaces, materials, emitters: Vec::new(), eta: self.eta }
     }
 
     fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {

@@ -5,8 +5,8 @@ use snowgrain_accel::{GrainGrid, Packing, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DAffine3, DVec3, Ray, frame};
-use snowgrain_render::World;
 use snowgrain_render::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
+use snowgrain_render::{Material, World};
 use snowgrain_tests::packs;
 
 /// Rays from one point into the half-space of `toward`.
@@ -54,7 +54,13 @@ fn world(
     let surfaces = Surfaces::new(&[(shape, transform)]);
     let grid =
         GrainGrid::build(*quantisation, grains, &surfaces, Packing::Fast).expect("few grains");
-    World { grid, surfaces, albedos: vec![[albedo; 3]], emitters: Vec::new(), eta: 1.31 }
+    World {
+        grid,
+        surfaces,
+        materials: vec![Material::diffuse([albedo; 3])],
+        emitters: Vec::new(),
+        eta: 1.31,
+    }
 }
 
 fn fan(world: &World, origin: DVec3, toward: DVec3, paths: u64) -> Fan {

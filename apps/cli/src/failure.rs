@@ -121,7 +121,9 @@ impl From<RenderError> for Failure {
             RenderError::CameraInIce { .. }
             | RenderError::MapSize { .. }
             | RenderError::MapPixels { .. }
-            | RenderError::MapValue { .. } => exit::BAD_INPUT,
+            | RenderError::MapValue { .. }
+            | RenderError::TextureSize { .. }
+            | RenderError::TextureValue { .. } => exit::BAD_INPUT,
             RenderError::Film(source) => Self::from(source).code,
         };
         Self::new(code, message)

@@ -1,6 +1,7 @@
-//! Tasks of the project: `cargo xtask validate`.
+//! Tasks of the project: `cargo xtask validate` and `cargo xtask look`.
 
 mod figure;
+mod look;
 mod program;
 mod report;
 mod table;
@@ -20,10 +21,14 @@ struct Arguments {
 enum Task {
     /// Compares the program with everything that is known, and writes VALIDATION.md and its figures
     Validate(validate::Options),
+    /// Measures close pictures of snow against what real snow shows, and writes look.md
+    Look(look::Options),
 }
 
 fn main() -> anyhow::Result<ExitCode> {
-    let Task::Validate(options) = Arguments::parse().task;
-    let passed = validate::validate(&options)?;
+    let passed = match Arguments::parse().task {
+        Task::Validate(options) => validate::validate(&options)?,
+        Task::Look(options) => look::look(&options)?,
+    };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

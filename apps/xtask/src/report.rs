@@ -37,6 +37,13 @@ impl Comparison {
         }
     }
 
+    /// One line: a figure that must lie between two. What is not a number fails.
+    pub(crate) fn within(&mut self, name: &str, found: f64, [low, high]: [f64; 2]) {
+        let outside = (low - found).max(found - high).max(0.0);
+        let outside = if found.is_nan() { f64::NAN } else { outside };
+        self.compare(&format!("{name}: {found:.3}, {low} to {high}"), outside, 0.0, 0.0);
+    }
+
     /// A comparison of nothing is no check.
     pub(crate) fn passed(&self) -> bool {
         self.failures.is_empty() && self.lines > 0
@@ -133,8 +140,8 @@ impl Section {
 }
 
 /// The whole report: all comparisons first, then the sections.
-pub(crate) fn markdown(introduction: &str, sections: &[Section]) -> String {
-    let mut text = format!("# Validation\n\n{introduction}\n");
+pub(crate) fn markdown(title: &str, introduction: &str, sections: &[Section]) -> String {
+    let mut text = format!("# {title}\n\n{introduction}\n");
     text.push_str("| section | comparison | lines | worst deviation | tolerance | result |\n");
     text.push_str("|---|---|---|---|---|---|\n");
     for section in sections {
@@ -151,6 +158,16 @@ pub(crate) fn markdown(introduction: &str, sections: &[Section]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_lies_without_two_bounds_fails() {
+        let mut comparison = Comparison::new("it", "as named");
+        comparison.within("in", 1.0, [1.0, 2.0]);
+        assert!(comparison.passed());
+        comparison.within("over", 2.5, [1.0, 2.0]);
+        comparison.within("none", f64::NAN, [1.0, 2.0]);
+        assert_eq!(comparison.failures.len(), 2);
+    }
 
     #[test]
     fn what_is_off_or_no_number_or_nothing_fails() {

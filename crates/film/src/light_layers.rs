@@ -25,8 +25,9 @@ const FRACTION_BITS: i32 = 64;
 /// Bytes of a layer's sums of one pixel.
 pub(crate) const LAYER_BYTES: u64 = 48;
 
-/// What the layers of a sample may be off the sample's radiance, relative to their magnitudes.
-const TOLERANCE: f64 = 1e-5;
+/// What the layers of a sample may be off the sample's radiance, relative to their magnitudes: beside the image of
+/// a sun in a mirror, a hundred thousand small amounts of light of another layer may be lost to rounding.
+const TOLERANCE: f64 = 1e-2;
 
 /// Exact sums of red, green and blue radiance of one layer and pixel, in quanta of 2^-64.
 pub type LayerSums = [i128; 3];
@@ -196,7 +197,10 @@ pub(crate) fn add(
                 largest = layer;
             }
         }
-        if (rest as f64 * power_of_two(-FRACTION_BITS)).abs() > TOLERANCE * magnitude {
+        // Each value was rounded to a quantum.
+        let quanta = 1.0 + layers.len() as f64;
+        let allowed = TOLERANCE * magnitude * power_of_two(FRACTION_BITS) + quanta;
+        if (rest as f64).abs() > allowed {
             return Err(Refused::NotTheWhole);
         }
         total[largest][channel] += rest;
@@ -269,6 +273,18 @@ mod tests {
         assert_eq!(refused([f32::NAN; 3], half), Err(Refused::Overflow));
         assert_eq!(refused([1e15; 3], [[1e15; 3], [0.0; 3]]), Err(Refused::Overflow));
         assert_eq!(sums, before);
+    }
+
+    /// A bright light first, then many small ones of another layer, of which single precision takes nothing.
+    #[test]
+    fn small_light_beside_bright_light_is_not_refused() {
+        let (bright, small) = (100.0f32, 3e-6f32);
+        let radiance = (0..50_000).fold(bright, |sum, _| sum + small);
+        let layer = (0..50_000).fold(0.0f32, |sum, _| sum + small);
+        let mut sums = [[0; 3]; 2];
+        assert_eq!(add(&mut sums, [radiance; 3], &[[bright; 3], [layer; 3]]), Ok(()));
+        let tiny = 3e-20f32;
+        assert_eq!(add(&mut sums, [2.0 * tiny; 3], &[[tiny; 3]; 2]), Ok(()));
     }
 
     proptest! {

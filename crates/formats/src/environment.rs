@@ -11,7 +11,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 /// First bytes of a Radiance picture.
-const RADIANCE_MAGIC: &[u8] = b"#?";
+pub(crate) const RADIANCE_MAGIC: &[u8] = b"#?";
 
 /// Bytes of which a Radiance picture makes a pixel at the least: four in runs of up to 127.
 const PIXELS_PER_RUN: u64 = 127;
@@ -32,7 +32,7 @@ fn decode(bytes: &[u8]) -> Result<EnvironmentMap, Fault> {
     let (width, height, pixels) = if bytes.starts_with(exr::MAGIC) {
         exr::decode_colours(bytes, &|width, height| check_map_size(width, height).map_err(fault))?
     } else if bytes.starts_with(RADIANCE_MAGIC) {
-        decode_radiance(bytes)?
+        decode_radiance(bytes, &|width, height| check_map_size(width, height).map_err(fault))?
     } else {
         let what = "this is not a map that Snowgrain reads";
         return Err(Fault::whole(what, "give a Radiance (.hdr) or an OpenEXR (.exr) picture"));
@@ -48,13 +48,17 @@ fn fault(error: RenderError) -> Fault {
     Fault::whole(error.to_string(), mend)
 }
 
-fn decode_radiance(bytes: &[u8]) -> Result<(usize, usize, Vec<[f32; 3]>), Fault> {
+/// Pixels across and down, and linear values from the top; `check_size` is asked before memory is taken.
+pub(crate) fn decode_radiance(
+    bytes: &[u8],
+    check_size: &dyn Fn(usize, usize) -> Result<(), Fault>,
+) -> Result<(usize, usize, Vec<[f32; 3]>), Fault> {
     let invalid = |error: image::ImageError| {
         Fault::whole(format!("not a valid Radiance picture: {error}"), "make the picture again")
     };
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(invalid)?;
     let (width, height) = decoder.dimensions();
-    check_map_size(width as usize, height as usize).map_err(fault)?;
+    check_size(width as usize, height as usize)?;
     let (claimed, file) = (u64::from(width) * u64::from(height), bytes.len() as u64);
     if claimed > file.saturating_mul(PIXELS_PER_RUN) {
         let what = format!(

@@ -14,6 +14,7 @@
 //! | film | [`read_film`] | [`write_film`] |
 //! | layers of snow (TOML) | [`laboratory::read_layers`] | |
 //! | map of all directions (HDR, EXR) | [`load_environment`] | |
+//! | picture on an object (PNG, JPEG, EXR, HDR) | [`load_texture`] | |
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
@@ -29,6 +30,7 @@ mod mesh;
 mod ply;
 pub mod scene;
 pub mod tev;
+mod texture;
 
 pub use environment::load_environment;
 pub use error::{FormatsError, Place};
@@ -39,3 +41,4 @@ pub use gltf::{
 };
 pub use grains::{read_grains, write_grains};
 pub use mesh::{PlyContent, load_mesh, ply_content};
+pub use texture::load_texture;

@@ -47,6 +47,20 @@ pub enum GeometryError {
         /// Index of the vertex, from 0.
         vertex: usize,
     },
+    /// Places in a picture that are not one for each triangle.
+    #[error("there are texture coordinates of {places} triangles, but {triangles} triangles")]
+    CoordinatesOfOthers {
+        /// Triangles that have places.
+        places: usize,
+        /// Triangles.
+        triangles: usize,
+    },
+    /// A place in a picture that is not finite.
+    #[error("triangle {triangle} has a texture coordinate that is not a finite number")]
+    CoordinateNotFinite {
+        /// Index of the triangle, from 0.
+        triangle: usize,
+    },
     /// There is no triangle with an area.
     #[error("the mesh has no triangle with an area")]
     EmptyMesh,

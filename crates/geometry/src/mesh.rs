@@ -11,6 +11,9 @@ pub struct TriangleMesh {
     pub positions: Vec<DVec3>,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
+    /// Where in a picture the corners of each triangle lie, to the right and upwards, 0 to 1 across it;
+    /// empty where there is no picture.
+    pub coordinates: Vec<[[f32; 2]; 3]>,
 }
 
 impl TriangleMesh {
@@ -19,7 +22,19 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// The first fault found, with its index.
-    pub fn new(positions: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+    pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+        Self::with_coordinates(positions, triangles, Vec::new())
+    }
+
+    /// The same with places in a picture for each corner of a triangle, or none at all.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; coordinates of another number than the triangles, or that are not finite.
+    pub fn with_coordinates(
+        positions: Vec<DVec3>,
+        mut triangles: Vec<[u32; 3]>,
+        mut coordinates: Vec<[[f32; 2]; 3]>,
+    ) -> Result<Self, GeometryError> {
         if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
             return Err(GeometryError::VertexNotFinite { vertex });
         }
@@ -29,14 +44,25 @@ impl TriangleMesh {
                 return Err(GeometryError::VertexOutOfRange { triangle, vertex, vertices });
             }
         }
-        triangles.retain(|t| {
+        if !coordinates.is_empty() && coordinates.len() != triangles.len() {
+            let (places, triangles) = (coordinates.len(), triangles.len());
+            return Err(GeometryError::CoordinatesOfOthers { places, triangles });
+        }
+        let finite = |places: &[[f32; 2]; 3]| places.as_flattened().iter().all(|c| c.is_finite());
+        if let Some(triangle) = coordinates.iter().position(|places| !finite(places)) {
+            return Err(GeometryError::CoordinateNotFinite { triangle });
+        }
+        let has_area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| positions[v as usize]);
             (b - a).cross(c - a).length_squared() > 0.0
-        });
+        };
+        let mut areas = triangles.iter().map(has_area);
+        coordinates.retain(|_| areas.next() == Some(true));
+        triangles.retain(has_area);
         if triangles.is_empty() {
             return Err(GeometryError::EmptyMesh);
         }
-        Ok(Self { positions, triangles })
+        Ok(Self { positions, triangles, coordinates })
     }
 
     /// Corners of triangle `index`.
@@ -60,6 +86,7 @@ impl TriangleMesh {
         Self {
             positions: self.positions.iter().map(|&p| transform.transform_point3(p)).collect(),
             triangles: self.triangles.clone(),
+            coordinates: self.coordinates.clone(),
         }
     }
 }

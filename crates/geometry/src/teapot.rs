@@ -19,7 +19,8 @@ type Patch = [[DVec3; 4]; 4];
 /// vertices exactly; borders that the model leaves open stay open (the lip under the lid, and the
 /// ends of handle and spout, which run into the body). Quads that shrink to a triangle at the
 /// poles of lid and bottom give one triangle, so there are somewhat fewer than
-/// `64 * divisions^2`. `divisions` of 0 counts as 1.
+/// `64 * divisions^2`. `divisions` of 0 counts as 1. Each patch has the whole of a
+/// picture, by its parameters.
 ///
 /// ```
 /// let mesh = snowgrain_geometry::teapot(8);
@@ -73,12 +74,17 @@ fn dice(
     };
     for i in 0..divisions {
         for j in 0..divisions {
-            let [a, b, c, d] =
-                [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| vertex(i, j, mesh));
-            for corners in [[a, d, c], [a, c, b]] {
+            let quad = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            let [a, b, c, d] = quad.map(|(i, j)| vertex(i, j, mesh));
+            let place = |(i, j): (u32, u32)| [j, i].map(|k| k as f32 / divisions as f32);
+            let [at_a, at_b, at_c, at_d] = quad.map(place);
+            for (corners, places) in
+                [([a, d, c], [at_a, at_d, at_c]), ([a, c, b], [at_a, at_c, at_b])]
+            {
                 let [p, q, r] = corners.map(|v| mesh.positions[v as usize]);
                 if (q - p).cross(r - p) != DVec3::ZERO {
                     mesh.triangles.push(corners);
+                    mesh.coordinates.push(places);
                 }
             }
         }

@@ -3,6 +3,7 @@
 
 use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
+pub use crate::surface::Surface;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
@@ -21,7 +22,7 @@ pub struct SceneDescription {
     pub ice: IceDescription,
     /// The lights; their radiances add.
     pub lights: Vec<LightDescription>,
-    /// Solid diffuse objects.
+    /// Solid objects.
     pub objects: Vec<ObjectDescription>,
     /// Snow, in the order in which it falls or is placed.
     pub snow: Vec<SnowDescription>,
@@ -187,6 +188,17 @@ pub struct IceDescription {
     pub impurities: Vec<Impurity>,
 }
 
+impl Pores {
+    /// Index of refraction of what fills them.
+    #[must_use]
+    pub fn ior(self) -> f64 {
+        match self {
+            Self::Air => 1.0,
+            Self::Water => WATER_IOR,
+        }
+    }
+}
+
 impl IceDescription {
     /// Ice of this index of refraction that absorbs nothing, clean.
     #[must_use]
@@ -205,15 +217,17 @@ impl IceDescription {
     }
 }
 
-/// A solid diffuse object.
+/// A solid object.
 #[derive(Clone, Debug)]
 pub struct ObjectDescription {
     /// Name for messages (`object.0`, or the file's name).
     pub name: String,
     /// Shape in its own space.
     pub shape: ObjectShape,
-    /// Diffuse albedo, linear RGB, each in [0, 1].
-    pub albedo: [f32; 3],
+    /// What it is made of.
+    pub surface: Surface,
+    /// Whether camera rays that meet it first find nothing there: black, of alpha 0.
+    pub is_holdout: bool,
     /// Own space to world: scale, then rotate, then translate.
     pub transform: DAffine3,
 }

@@ -54,6 +54,25 @@ pub enum RenderError {
         /// The value.
         value: f32,
     },
+    /// A picture on an object that is too large, or none.
+    #[error(
+        "the picture has {width}x{height} pixels; a texture has 1 to {} across and down",
+        crate::surface::LARGEST_TEXTURE
+    )]
+    TextureSize {
+        /// Pixels across.
+        width: usize,
+        /// Pixels down.
+        height: usize,
+    },
+    /// A pixel of a texture that is no number.
+    #[error("pixel ({x}, {y}) of the texture is not a number")]
+    TextureValue {
+        /// Column, from 0.
+        x: usize,
+        /// Row, from 0.
+        y: usize,
+    },
     /// The film refused a sample or a size.
     #[error("{0}")]
     Film(#[from] FilmError),

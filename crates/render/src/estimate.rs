@@ -14,7 +14,7 @@ use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeCell, LatticeSettings,
 };
 use snowgrain_math::{Aabb, DVec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Bytes a grain of the packed grid: measured 58 to 74 in the built-in scenes and the benchmarks, more
@@ -34,6 +34,8 @@ const CELLS_PER_BRICK_EDGE: f64 = 8.0;
 const BYTES_PER_BRICK: f64 = 2048.0;
 /// Bytes a triangle: as loaded, in the structure that finds it, and while that is built.
 const BYTES_PER_TRIANGLE: f64 = 180.0;
+/// Bytes a triangle with places in a picture.
+const BYTES_PER_PLACED_TRIANGLE: f64 = size_of::<[[f32; 2]; 3]>() as f64;
 /// Bytes an object: itself, its place and what finds it.
 const BYTES_PER_OBJECT: f64 = 1024.0;
 /// Bytes a pixel beside the sums: layers, and their encoding.
@@ -66,7 +68,7 @@ pub struct CostEstimate {
     pub grain_bytes: u64,
     /// Memory that only the making of the snow needs, bytes.
     pub building_bytes: u64,
-    /// Memory of the surfaces and of maps of all directions, bytes.
+    /// Memory of the surfaces, the pictures on them and maps of all directions, bytes.
     pub surface_bytes: u64,
     /// Memory of film and picture, bytes.
     pub film_bytes: u64,
@@ -83,12 +85,20 @@ impl CostEstimate {
     pub fn of(description: &SceneDescription, crop: PixelRect) -> Self {
         let mut cost = Self::default();
         let mut bounds = Aabb::EMPTY;
-        let mut meshes = HashMap::new();
+        let (mut meshes, mut textures) = (HashMap::new(), HashSet::new());
         for object in &description.objects {
             let known = meshes.len();
             bounds = bounds.union(&bounds_of(object, &mut meshes));
             let triangles = if meshes.len() > known { triangles(object) } else { 0.0 };
             cost.surface_bytes += (triangles * BYTES_PER_TRIANGLE + BYTES_PER_OBJECT) as u64;
+            if let Some(map) = object.surface.texture() {
+                if triangles > 0.0 {
+                    cost.surface_bytes += (triangles * BYTES_PER_PLACED_TRIANGLE) as u64;
+                }
+                if textures.insert(Arc::as_ptr(&map.texture)) {
+                    cost.surface_bytes += map.texture.memory_bytes();
+                }
+            }
         }
         cost.surface_bytes += description.lights.iter().map(map_bytes).sum::<u64>();
         let objects = bounds;
@@ -337,7 +347,7 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-        LightFinding, LightKind, Projection,
+        LightFinding, LightKind, Projection, Surface,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -372,7 +382,8 @@ mod tests {
         ObjectDescription {
             name: "table".into(),
             shape: ObjectShape::Box,
-            albedo: [0.5; 3],
+            surface: Surface::diffuse([0.5; 3]),
+            is_holdout: false,
             transform: DAffine3::from_scale(DVec3::new(0.05, 0.01, 0.05)),
         }
     }

@@ -14,6 +14,7 @@ mod scene;
 mod scene_hash;
 mod statistics;
 mod strata;
+pub mod surface;
 pub mod transport;
 mod view;
 pub mod world;
@@ -28,5 +29,6 @@ pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of
 pub use snowgrain_accel::{STRATA, SimdLevel};
 pub use statistics::Statistics;
 pub use strata::Strata;
+pub use surface::{Material, Surface};
 pub use view::View;
 pub use world::World;

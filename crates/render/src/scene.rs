@@ -5,6 +5,7 @@ use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescri
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
+use crate::surface::Material;
 use crate::transport::seek::{LightSearch, Sought};
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
@@ -134,7 +135,7 @@ impl Scene {
         let world = World {
             grid,
             surfaces,
-            albedos: description.objects.iter().map(|object| object.albedo).collect(),
+            materials: materials(description, &lit),
             emitters: lit.emitters,
             eta: description.ice.eta(),
         };
@@ -181,6 +182,18 @@ impl Scene {
             && starts.min.cmple(grains.max).all()
             && starts.max.cmpge(grains.min).all()
     }
+}
+
+/// What the objects of a scene do to light, in their order.
+fn materials(description: &SceneDescription, lit: &LitSurfaces) -> Vec<Material> {
+    let surroundings = description.ice.pores.ior();
+    let objects = description.objects.iter().zip(&lit.shapes);
+    objects
+        .map(|(object, place)| {
+            let material = Material::new(object.surface.clone(), place, surroundings);
+            material.held_out(object.is_holdout)
+        })
+        .collect()
 }
 
 /// What turns lengths in ice into colours in this scene.

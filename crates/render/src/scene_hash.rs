@@ -3,8 +3,9 @@
 use crate::Strata;
 use crate::description::{
     Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
-    Projection, Sampler, SceneDescription,
+    Projection, Sampler, SceneDescription, Surface,
 };
+use crate::surface::Reflectance;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
 use snowgrain_optics::{Absorption, Impurity, Load};
@@ -101,12 +102,45 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
         if let ObjectShape::Mesh(mesh) = &object.shape {
             hash.0.update(meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| mesh_digest(mesh)));
         }
-        hash.floats(&object.albedo);
+        hash_surface(&mut hash, &object.surface);
+        if object.is_holdout {
+            hash.tag("holdout");
+        }
+        if let (Some(_), ObjectShape::Mesh(mesh)) = (object.surface.texture(), &object.shape) {
+            mesh.coordinates.as_flattened().iter().for_each(|place| hash.floats(place));
+        }
         hash.doubles(&object.transform.to_cols_array());
     }
     hash.tag("grains");
     hash.0.update(&grains.0);
     *hash.0.finalize().as_bytes()
+}
+
+fn hash_surface(hash: &mut Hash, surface: &Surface) {
+    match surface {
+        Surface::Diffuse { albedo } => hash_reflectance(hash, albedo),
+        Surface::Conductor { reflectance, roughness } => {
+            hash.tag("conductor");
+            hash_reflectance(hash, reflectance);
+            hash.doubles(&[*roughness]);
+        }
+        Surface::Dielectric { ior, roughness } => {
+            hash.tag("dielectric");
+            hash.doubles(&[*ior, *roughness]);
+        }
+    }
+}
+
+fn hash_reflectance(hash: &mut Hash, reflectance: &Reflectance) {
+    match reflectance {
+        Reflectance::Colour(colour) => hash.floats(colour),
+        Reflectance::Texture(map) => {
+            hash.tag("texture");
+            hash.0.update(&map.texture.digest());
+            hash.floats(&map.factor);
+            hash.doubles(&[map.metres]);
+        }
+    }
 }
 
 fn hash_projection(hash: &mut Hash, projection: &Projection) {

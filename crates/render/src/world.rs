@@ -1,6 +1,7 @@
 //! What light can meet.
 
 use crate::light::Emitter;
+use crate::surface::Material;
 use snowgrain_accel::{GrainGrid, Surfaces};
 
 /// Grains, surfaces and their materials: everything between the camera and the lights.
@@ -10,8 +11,8 @@ pub struct World {
     pub grid: GrainGrid,
     /// All solid objects, and lamps after them.
     pub surfaces: Surfaces,
-    /// Diffuse albedo of each object, linear RGB.
-    pub albedos: Vec<[f32; 3]>,
+    /// What each object does to light.
+    pub materials: Vec<Material>,
     /// Of each object whether it shines; empty where none does.
     pub emitters: Vec<Option<Emitter>>,
     /// Index of refraction of the grains relative to air, >= 1.

@@ -14,7 +14,7 @@ use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
-    SnowDescription,
+    SnowDescription, Surface,
 };
 use snowgrain_render::measure::{Incidence, SlabSettings, measure_slab};
 
@@ -37,7 +37,8 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
     let objects = ground.map(|albedo| ObjectDescription {
         name: "ground".into(),
         shape: ObjectShape::Plane,
-        albedo,
+        surface: Surface::diffuse(albedo),
+        is_holdout: false,
         transform: DAffine3::from_translation(DVec3::Y * -0.01 * RADIUS),
     });
     SceneDescription {
@@ -165,7 +166,8 @@ fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
     description.objects.push(ObjectDescription {
         name: "ball".into(),
         shape: ObjectShape::Sphere,
-        albedo: RED,
+        surface: Surface::diffuse(RED),
+        is_holdout: false,
         transform: DAffine3::from_scale(DVec3::splat(0.01)),
     });
     description.camera.from = DVec3::new(0.0, 0.06, 0.06);

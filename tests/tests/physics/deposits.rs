@@ -14,9 +14,10 @@ use snowgrain_render::Strata;
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
-    SnowDescription,
+    SnowDescription, Surface,
 };
 use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
+use snowgrain_render::surface::Reflectance;
 use snowgrain_tests::{
     Oracle, OracleShape, OracleSurface, PinholeCamera, Search, picture::Picture as OraclePicture,
 };
@@ -67,8 +68,13 @@ pub(crate) fn pile(
     lights: Vec<LightDescription>,
 ) -> SceneDescription {
     let half = 0.5 * width;
-    let object =
-        |shape, transform| ObjectDescription { name: "object".into(), shape, albedo, transform };
+    let object = |shape, transform| ObjectDescription {
+        name: "object".into(),
+        shape,
+        surface: Surface::diffuse(albedo),
+        is_holdout: false,
+        transform,
+    };
     let block = DAffine3::from_translation(DVec3::new(0.0, 0.15 * width, 0.0))
         * DAffine3::from_rotation_y(0.4)
         * DAffine3::from_scale(DVec3::splat(0.15 * width));
@@ -189,7 +195,11 @@ fn a_picture_of_a_deposit_agrees_with_the_oracle_in_the_mean() {
     const QUADS: [[usize; 4]; 6] =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let block = QUADS.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    let albedo = DVec3::from_array(description.objects[0].albedo.map(f64::from));
+    let Surface::Diffuse { albedo: Reflectance::Colour(albedo) } = description.objects[0].surface
+    else {
+        panic!()
+    };
+    let albedo = DVec3::from_array(albedo.map(f64::from));
     let surfaces = [
         OracleShape::Plane { point: DVec3::ZERO, normal: DVec3::Y },
         OracleShape::Triangles(block.map(|corners| corners.map(corner)).collect()),

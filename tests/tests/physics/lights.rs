@@ -9,7 +9,7 @@ use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_render::description::{
     CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
     LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
-    SnowDescription,
+    SnowDescription, Surface,
 };
 use snowgrain_render::light::{EnvironmentMap, direction_of};
 use snowgrain_render::measure::Estimate;
@@ -22,7 +22,7 @@ const ALBEDO: f32 = 0.6;
 const PIXELS: u32 = 16;
 
 /// Grey ground, seen from straight above in a field of view of a tenth of a degree.
-fn ground(lights: Vec<LightDescription>) -> SceneDescription {
+pub(crate) fn ground(lights: Vec<LightDescription>) -> SceneDescription {
     SceneDescription {
         film: FilmDescription::new(PIXELS, PIXELS, 1, 5),
         camera: CameraDescription {
@@ -37,7 +37,8 @@ fn ground(lights: Vec<LightDescription>) -> SceneDescription {
         objects: vec![ObjectDescription {
             name: "ground".into(),
             shape: ObjectShape::Plane,
-            albedo: [ALBEDO; 3],
+            surface: Surface::diffuse([ALBEDO; 3]),
+            is_holdout: false,
             transform: DAffine3::IDENTITY,
         }],
         snow: Vec::new(),
@@ -48,14 +49,14 @@ fn ground(lights: Vec<LightDescription>) -> SceneDescription {
     }
 }
 
-fn film(description: &SceneDescription, samples: u64) -> Film {
+pub(crate) fn film(description: &SceneDescription, samples: u64) -> Film {
     let scene = Scene::build(description, &mut |_| ()).unwrap();
     let film = &description.film;
     picture(&scene, 0..samples, PixelRect::new(0, 0, film.width, film.height)).film
 }
 
 /// The mean of green over all pixels.
-fn mean(film: &Film) -> Estimate {
+pub(crate) fn mean(film: &Film) -> Estimate {
     let count = film.pixels().len() as f64;
     let sum =
         |of: &dyn Fn(&snowgrain_film::PixelSums) -> f64| film.pixels().iter().map(of).sum::<f64>();
@@ -147,7 +148,8 @@ fn an_object_shines_as_the_quad_that_is_its_lower_face() {
     description.objects.push(ObjectDescription {
         name: "lamp".into(),
         shape: ObjectShape::Box,
-        albedo: [0.5; 3],
+        surface: Surface::diffuse([0.5; 3]),
+        is_holdout: false,
         transform: place,
     });
     let expected = f64::from(ALBEDO) * 2.0 * 4.0 * corner_factor(0.6, 0.6);

@@ -13,6 +13,8 @@ mod grain;
 mod lights;
 mod pictures;
 mod slabs;
+mod sun;
+mod surfaces;
 
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;
@@ -52,7 +54,7 @@ fn world(grid: GrainGrid) -> World {
     World {
         grid,
         surfaces: Surfaces::default(),
-        albedos: Vec::new(),
+        materials: Vec::new(),
         emitters: Vec::new(),
         eta: ETA,
     }

@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The scenes: a lattice, a mesh buried in overlapping grains with absorption, and layers of many
 /// sizes on round and flat objects.
-const SCENES: [&str; 3] = ["lattice", "buried", "layers"];
+const SCENES: [&str; 4] = ["lattice", "buried", "layers", "sunlit"];
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/golden").join(name)
@@ -36,6 +36,7 @@ fn description(name: &str) -> SceneDescription {
         grains: &mut |_| Err("nor to grains".into()),
         import: &mut |_| Err("nor to shots".into()),
         environment: &mut |_| Err("nor to a map".into()),
+        texture: &mut |_| Err("nor to a picture".into()),
     };
     resolve(&file, loader).unwrap()
 }

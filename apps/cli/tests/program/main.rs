@@ -13,6 +13,7 @@ mod noise;
 mod pictures;
 #[cfg(unix)]
 mod signals;
+mod surfaces;
 mod viewer;
 
 use assert_cmd::Command;

@@ -97,7 +97,7 @@ pub(crate) fn validate(options: &Options) -> Result<bool> {
             println!("{name}: {}", if section.passed() { "pass" } else { "FAIL" });
             sections.push(section);
             // What is known so far is there at any time.
-            let report = markdown(INTRODUCTION, &sections);
+            let report = markdown("Validation", INTRODUCTION, &sections);
             std::fs::write(options.out.join("VALIDATION.md"), report)?;
         }
     }

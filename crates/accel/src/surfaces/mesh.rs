@@ -118,6 +118,7 @@ impl MeshTree {
             + self.blocks.capacity() * size_of::<Block>()
             + self.mesh.positions.capacity() * size_of::<DVec3>()
             + self.mesh.triangles.capacity() * size_of::<[u32; 3]>()
+            + self.mesh.coordinates.capacity() * size_of::<[[f32; 2]; 3]>()
     }
 }
 

@@ -113,31 +113,51 @@ impl<'a> Elements<'a> {
         self.component.number(&self.bytes[at..])
     }
 
-    fn vector(&self, element: usize, normalised: bool) -> DVec3 {
-        let number = |place| {
+    fn vector<const N: usize>(&self, element: usize, normalised: bool) -> [f64; N] {
+        std::array::from_fn(|place| {
             let number = self.number(element, place);
             if normalised { self.component.normalised(number) } else { number }
-        };
-        DVec3::new(number(0), number(1), number(2))
+        })
     }
 }
 
-/// The vectors of an accessor that `owner` names, in the file's unit; they may not be finite.
-pub(super) fn vectors(
+/// The positions of an accessor that `owner` names, in the file's unit; they may not be finite.
+pub(super) fn positions(
     container: &Container,
     index: usize,
     owner: &str,
 ) -> Result<Vec<DVec3>, Fault> {
-    let (accessor, own) = accessor(container, index, "VEC3", owner)?;
+    vectors(container, index, (owner, "VEC3"), DVec3::from_array)
+}
+
+/// The places in a picture of an accessor that `owner` names, to the right and upwards; they may not be
+/// finite.
+pub(super) fn places(
+    container: &Container,
+    index: usize,
+    owner: &str,
+) -> Result<Vec<[f32; 2]>, Fault> {
+    vectors(container, index, (owner, "VEC2"), |[u, v]| [u as f32, (1.0 - v) as f32])
+}
+
+/// The vectors of N numbers of an accessor of this type.
+fn vectors<const N: usize, Vector: Clone>(
+    container: &Container,
+    index: usize,
+    (owner, kind): (&str, &str),
+    vector: impl Fn([f64; N]) -> Vector,
+) -> Result<Vec<Vector>, Fault> {
+    let (accessor, own) = accessor(container, index, kind, owner)?;
     let component = component(accessor.component_type, &own)?;
     let mut vectors = room(claimed(container, accessor, &own)?, "vertices")?;
     match accessor.buffer_view {
         Some(view) => {
             let place = (view, accessor.byte_offset);
-            let elements = Elements::of(container, place, (component, 3), accessor.count, &own)?;
-            vectors.extend((0..elements.count).map(|i| elements.vector(i, accessor.normalized)));
+            let elements = Elements::of(container, place, (component, N), accessor.count, &own)?;
+            let of = |i| vector(elements.vector(i, accessor.normalized));
+            vectors.extend((0..elements.count).map(of));
         }
-        None => vectors.resize(accessor.count as usize, DVec3::ZERO),
+        None => vectors.resize(accessor.count as usize, vector([0.0; N])),
     }
     if let Some(sparse) = &accessor.sparse {
         let own = format!("{own}.sparse");
@@ -146,15 +166,15 @@ pub(super) fn vectors(
         let place = (indices.buffer_view, indices.byte_offset);
         let indices = Elements::of(container, place, (kind, 1), sparse.count, &own)?;
         let place = (values.buffer_view, values.byte_offset);
-        let values = Elements::of(container, place, (component, 3), sparse.count, &own)?;
+        let values = Elements::of(container, place, (component, N), sparse.count, &own)?;
         for i in 0..indices.count {
             let replaced = indices.number(i, 0) as usize;
             let count = vectors.len();
-            let Some(vector) = vectors.get_mut(replaced) else {
+            let Some(place) = vectors.get_mut(replaced) else {
                 let what = format!("{own} replaces element {replaced} of {count}");
                 return Err(Fault::whole(what, MEND));
             };
-            *vector = values.vector(i, accessor.normalized);
+            *place = vector(values.vector(i, accessor.normalized));
         }
     }
     Ok(vectors)

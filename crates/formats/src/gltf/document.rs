@@ -151,6 +151,10 @@ pub(super) struct Primitive {
 pub(super) struct Attributes {
     #[serde(rename = "POSITION")]
     pub(super) position: Option<usize>,
+    #[serde(rename = "TEXCOORD_0")]
+    pub(super) first_coordinates: Option<usize>,
+    #[serde(rename = "TEXCOORD_1")]
+    pub(super) second_coordinates: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -224,6 +228,7 @@ pub(super) struct Material {
 pub(super) struct MetallicRoughness {
     pub(super) base_color_factor: [f32; 4],
     pub(super) base_color_texture: Option<TextureInfo>,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
     pub(super) metallic_factor: f32,
     pub(super) roughness_factor: f32,
 }
@@ -233,6 +238,7 @@ impl Default for MetallicRoughness {
         Self {
             base_color_factor: [1.0; 4],
             base_color_texture: None,
+            metallic_roughness_texture: None,
             metallic_factor: 1.0,
             roughness_factor: 1.0,
         }
@@ -240,8 +246,20 @@ impl Default for MetallicRoughness {
 }
 
 #[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
     pub(super) index: usize,
+    /// Which of the coordinates of a vertex place it.
+    #[serde(default)]
+    pub(super) tex_coord: usize,
+    #[serde(default)]
+    pub(super) extensions: TextureExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub(super) transform: Option<IgnoredAny>,
 }
 
 #[derive(Debug, Deserialize)]

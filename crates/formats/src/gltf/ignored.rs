@@ -10,10 +10,14 @@ pub(super) struct Ignored {
     pub(super) targets: usize,
     /// Points, lines, and triangles without area.
     pub(super) primitives: usize,
-    textures: usize,
+    /// Textures without coordinates on their mesh.
+    pub(super) unplaced_textures: usize,
+    /// Textures that an extension moves.
+    pub(super) moved_textures: usize,
     /// Textures whose image is in a format that is not read.
     pub(super) unread_textures: usize,
-    shiny: usize,
+    /// Materials that are smoother than matt, but no metal.
+    pub(super) glossy: usize,
     normal_maps: usize,
     glowing: usize,
     transparent: usize,
@@ -26,9 +30,6 @@ impl Ignored {
     }
 
     pub(super) fn count_material(&mut self, material: &Material) {
-        let pbr = &material.pbr_metallic_roughness;
-        self.textures += usize::from(pbr.base_color_texture.is_some());
-        self.shiny += usize::from(pbr.metallic_factor > 0.0 || pbr.roughness_factor < 1.0);
         self.normal_maps += usize::from(material.normal_texture.is_some());
         self.glowing += usize::from(material.emissive_factor.is_some_and(|e| e != [0.0; 3]));
         let opaque = material.alpha_mode.as_ref().is_none_or(|mode| mode == "OPAQUE");
@@ -38,9 +39,13 @@ impl Ignored {
     /// What was passed over, if anything.
     pub(super) fn line(&self) -> Option<String> {
         let counts = [
-            (self.textures - self.unread_textures, "textures (their mean colours are taken)"),
+            (
+                self.unplaced_textures,
+                "textures of meshes without coordinates (their mean is taken)",
+            ),
+            (self.moved_textures, "moved textures (taken where they are)"),
             (self.unread_textures, "textures in formats that are not read (half is taken)"),
-            (self.shiny, "materials of metal or gloss (taken as matt)"),
+            (self.glossy, "glossy materials that are no metal (taken as matt)"),
             (self.normal_maps, "normal maps"),
             (self.glowing, "glowing materials"),
             (self.transparent, "transparent materials (taken as opaque)"),

@@ -14,7 +14,6 @@ mod primitive;
 mod reader;
 #[cfg(test)]
 mod tests;
-mod texture;
 mod uri;
 
 use crate::error::{Fault, FormatsError, room};
@@ -22,6 +21,7 @@ use crate::input;
 use reader::import;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DAffine3, DVec3};
+use snowgrain_render::surface::Texture;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -68,10 +68,13 @@ pub struct ImportedObject {
 }
 
 /// The metallic-roughness material of an object.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ImportedMaterial {
-    /// Base colour, linear sRGB, each 0 to 1: the factor times the mean of the texture.
+    /// Factor of the base colour, linear sRGB, each 0 to 1.
     pub base_colour: [f32; 3],
+    /// Picture of the base colour, by which the factor is multiplied; there only if the mesh has places
+    /// for it.
+    pub texture: Option<Arc<Texture>>,
     /// Metalness, 0 to 1.
     pub metallic: f32,
     /// Roughness, 0 to 1.
@@ -80,7 +83,12 @@ pub struct ImportedMaterial {
 
 impl ImportedMaterial {
     /// Of an object that names no material: half of the light, as of objects in scene files.
-    const NONE: Self = Self { base_colour: [0.5; 3], metallic: 0.0, roughness: 1.0 };
+    const NONE: Self = Self { base_colour: [0.5; 3], texture: None, metallic: 0.0, roughness: 1.0 };
+
+    /// Whether it is more metal than not.
+    pub(crate) fn is_metal(&self) -> bool {
+        self.metallic >= 0.5
+    }
 }
 
 /// A camera.
@@ -186,5 +194,5 @@ pub(crate) fn joined_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, Fau
         let from_first = |t: &[u32; 3]| t.map(|vertex| first as u32 + vertex);
         triangles.extend(object.mesh.triangles.iter().map(from_first));
     }
-    crate::mesh::mesh(positions, triangles)
+    crate::mesh::mesh(positions, triangles, Vec::new())
 }

@@ -15,10 +15,11 @@ enum Mode {
 }
 
 /// The primitive's mesh in its own space, metres; `None` for points and lines, and where no triangle
-/// has an area. `owner` is how messages call it.
+/// has an area, with the coordinates of this accessor. `owner` is how messages call it.
 pub(super) fn mesh(
     container: &Container,
     primitive: &Primitive,
+    coordinates: Option<usize>,
     owner: &str,
 ) -> Result<Option<TriangleMesh>, Fault> {
     let mode = match primitive.mode {
@@ -31,7 +32,8 @@ pub(super) fn mesh(
     let Some(position) = primitive.attributes.position else {
         return Err(Fault::whole(format!("{owner} has no POSITION"), MEND));
     };
-    let positions = accessor::vectors(container, position, owner)?;
+    let positions = accessor::positions(container, position, owner)?;
+    let vertices = positions.len();
     let corners = match primitive.indices {
         Some(index) => accessor::indices(container, index, owner)?,
         None => {
@@ -42,7 +44,20 @@ pub(super) fn mesh(
             corners
         }
     };
-    match TriangleMesh::new(positions, triangles(mode, &corners)?) {
+    let triangles = triangles(mode, &corners)?;
+    // Triangles of vertices that are not there are refused with the mesh.
+    let in_range = |t: &[u32; 3]| t.iter().all(|&vertex| (vertex as usize) < vertices);
+    let mut of_corners = Vec::new();
+    if let Some(index) = coordinates.filter(|_| triangles.iter().all(in_range)) {
+        let places = accessor::places(container, index, owner)?;
+        if places.len() != vertices {
+            let what = format!("{owner} has {} TEXCOORD of {vertices} vertices", places.len());
+            return Err(Fault::whole(what, MEND));
+        }
+        of_corners = room(triangles.len(), "texture coordinates")?;
+        of_corners.extend(triangles.iter().map(|t| t.map(|vertex| places[vertex as usize])));
+    }
+    match TriangleMesh::with_coordinates(positions, triangles, of_corners) {
         Ok(mesh) => Ok(Some(mesh)),
         Err(GeometryError::EmptyMesh) => Ok(None),
         Err(error) => Err(Fault::whole(format!("{owner}: {error}"), document::MEND)),

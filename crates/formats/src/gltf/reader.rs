@@ -1,16 +1,19 @@
 //! From a document to what it holds.
 
 use super::container::Container;
-use super::document::{LightKind, MEND, Material, named};
+use super::document::{LightKind, MEND, Material, Primitive, named};
 use super::graph::{self, Placed};
 use super::ignored::Ignored;
 use super::{
     ImportedCamera, ImportedLight, ImportedLightKind, ImportedMaterial, ImportedObject,
-    ImportedProjection, ImportedScene, primitive, texture, uri,
+    ImportedProjection, ImportedScene, primitive, uri,
 };
 use crate::error::Fault;
+use crate::texture;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::DVec3;
+use snowgrain_render::surface::Texture;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,6 +26,7 @@ pub(super) fn import(bytes: &[u8], folder: &Path) -> Result<ImportedScene, Fault
         folder,
         meshes: HashMap::new(),
         materials: HashMap::new(),
+        textures: HashMap::new(),
         ignored: Ignored::of(&container.document),
         scene: ImportedScene::default(),
     };
@@ -45,14 +49,19 @@ struct Reader<'a> {
     /// The primitives of each mesh that is used, with their materials.
     meshes: HashMap<usize, Primitives>,
     materials: HashMap<usize, ImportedMaterial>,
+    /// By image; `None` for those that cannot be read.
+    textures: HashMap<usize, Option<Arc<Texture>>>,
     ignored: Ignored,
     scene: ImportedScene,
 }
 
+/// Number and bytes of an image.
+type Image<'a> = (usize, Cow<'a, [u8]>);
+
 /// The primitives of a mesh that have triangles.
 type Primitives = Arc<[(Arc<TriangleMesh>, ImportedMaterial)]>;
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn node(&mut self, placed: &Placed<'_>) -> Result<(), Fault> {
         if let Some(mesh) = placed.node.mesh {
             self.objects(placed, mesh)?;
@@ -85,7 +94,7 @@ impl Reader<'_> {
                 name: name.clone(),
                 mesh: Arc::clone(mesh),
                 transform: placed.transform,
-                material: *material,
+                material: material.clone(),
             });
         }
         Ok(())
@@ -99,9 +108,13 @@ impl Reader<'_> {
         let mut primitives = Vec::new();
         for (i, primitive) in mesh.primitives.iter().enumerate() {
             let own = format!("meshes[{index}].primitives[{i}]");
-            match primitive::mesh(self.container, primitive, &own)? {
+            let mut material = self.material(primitive.material, &own)?;
+            let coordinates = self.coordinates(primitive, &material);
+            match primitive::mesh(self.container, primitive, coordinates, &own)? {
                 Some(mesh) => {
-                    let material = self.material(primitive.material, &own)?;
+                    if coordinates.is_none() {
+                        self.take_mean(&mut material);
+                    }
                     self.ignored.targets += usize::from(!primitive.targets.is_empty());
                     primitives.push((Arc::new(mesh), material));
                 }
@@ -115,42 +128,81 @@ impl Reader<'_> {
 
     fn material(&mut self, index: Option<usize>, owner: &str) -> Result<ImportedMaterial, Fault> {
         let Some(index) = index else { return Ok(ImportedMaterial::NONE) };
-        if let Some(&known) = self.materials.get(&index) {
-            return Ok(known);
+        if let Some(known) = self.materials.get(&index) {
+            return Ok(known.clone());
         }
         let material = named(&self.container.document.materials, "materials", index, owner)?;
         let own = format!("materials[{index}]");
-        let factors = check_factors(material, &own)?;
+        let mut made = check_factors(material, &own)?;
         self.ignored.count_material(material);
-        let base_colour = match &material.pbr_metallic_roughness.base_color_texture {
-            None => factors.base_colour,
-            Some(texture) => match self.mean_colour(texture.index, &own)? {
-                Some(mean) => std::array::from_fn(|i| factors.base_colour[i] * mean[i]),
-                None => {
-                    self.ignored.unread_textures += 1;
-                    factors.base_colour.map(|factor| 0.5 * factor)
-                }
-            },
-        };
-        let material = ImportedMaterial { base_colour, ..factors };
-        self.materials.insert(index, material);
-        Ok(material)
+        let pbr = &material.pbr_metallic_roughness;
+        if let Some(info) = &pbr.metallic_roughness_texture
+            && let Some(image) = self.image(info.index, &own)?
+            && let Some([_, roughness, metallic]) = texture::mean_of_numbers(&image.1)
+        {
+            made.roughness *= roughness;
+            made.metallic *= metallic;
+        }
+        if let Some(info) = &pbr.base_color_texture {
+            self.ignored.moved_textures += usize::from(info.extensions.transform.is_some());
+            made.texture = self.texture(info.index, &own)?;
+            if made.texture.is_none() {
+                self.ignored.unread_textures += 1;
+                made.base_colour = made.base_colour.map(|factor| 0.5 * factor);
+            }
+        }
+        self.ignored.glossy += usize::from(!made.is_metal() && made.roughness < 1.0);
+        self.materials.insert(index, made.clone());
+        Ok(made)
     }
 
-    /// The mean colour of a texture, linear sRGB; `None` for an image that cannot be read.
-    fn mean_colour(&mut self, texture: usize, owner: &str) -> Result<Option<[f32; 3]>, Fault> {
-        let document = &self.container.document;
+    /// The accessor of the places of a picture on a primitive, where both are there.
+    fn coordinates(&self, primitive: &Primitive, material: &ImportedMaterial) -> Option<usize> {
+        material.texture.as_ref()?;
+        let material = self.container.document.materials.get(primitive.material?)?;
+        let info = material.pbr_metallic_roughness.base_color_texture.as_ref()?;
+        match info.tex_coord {
+            0 => primitive.attributes.first_coordinates,
+            1 => primitive.attributes.second_coordinates,
+            _ => None,
+        }
+    }
+
+    /// Where a picture has no place on a mesh: its mean colour.
+    fn take_mean(&mut self, material: &mut ImportedMaterial) {
+        if let Some(texture) = material.texture.take() {
+            self.ignored.unplaced_textures += 1;
+            let mean = texture.mean();
+            material.base_colour = std::array::from_fn(|i| material.base_colour[i] * mean[i]);
+        }
+    }
+
+    /// A texture; `None` for an image that cannot be read.
+    fn texture(&mut self, index: usize, owner: &str) -> Result<Option<Arc<Texture>>, Fault> {
+        let Some((image, bytes)) = self.image(index, owner)? else { return Ok(None) };
+        if let Some(known) = self.textures.get(&image) {
+            return Ok(known.clone());
+        }
+        let texture = texture::decode(&bytes).ok().map(Arc::new);
+        self.textures.insert(image, texture.clone());
+        Ok(texture)
+    }
+
+    /// Number and bytes of the image of a texture; `None` where it is in none that is known.
+    fn image(&self, texture: usize, owner: &str) -> Result<Option<Image<'a>>, Fault> {
+        let container = self.container;
+        let document = &container.document;
         let own = format!("textures[{texture}]");
         let texture = named(&document.textures, "textures", texture, owner)?;
         let Some(source) = texture.source else { return Ok(None) };
         let image = named(&document.images, "images", source, &own)?;
         let own = format!("images[{source}]");
-        let mean = match (image.buffer_view, &image.uri) {
-            (Some(view), _) => texture::mean_colour(self.container.view(view, &own)?.1),
-            (None, Some(uri)) => texture::mean_colour(&uri::read(uri, &own, self.folder)?),
+        let bytes = match (image.buffer_view, &image.uri) {
+            (Some(view), _) => Cow::Borrowed(container.view(view, &own)?.1),
+            (None, Some(uri)) => uri::read(uri, &own, self.folder)?.into(),
             (None, None) => return Err(Fault::whole(format!("{own} has no data"), MEND)),
         };
-        Ok(mean)
+        Ok(Some((source, bytes)))
     }
 
     fn camera(&self, placed: &Placed<'_>, index: usize) -> Result<ImportedCamera, Fault> {
@@ -244,6 +296,7 @@ fn check_factors(material: &Material, own: &str) -> Result<ImportedMaterial, Fau
     }
     Ok(ImportedMaterial {
         base_colour: [red, green, blue],
+        texture: None,
         metallic: pbr.metallic_factor,
         roughness: pbr.roughness_factor,
     })

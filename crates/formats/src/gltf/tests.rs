@@ -215,11 +215,15 @@ fn materials_cameras_and_lights_are_read() {
     ]);
     document["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_materials_ior"]);
     let scene = read(&document).unwrap();
-    let material =
-        ImportedMaterial { base_colour: [0.8, 0.4, 0.2], metallic: 0.25, roughness: 0.5 };
+    let material = ImportedMaterial {
+        base_colour: [0.8, 0.4, 0.2],
+        texture: None,
+        metallic: 0.25,
+        roughness: 0.5,
+    };
     assert_eq!(scene.objects[0].material, material);
     let said = scene.ignored.unwrap();
-    for part in ["1 materials of metal or gloss", "1 normal maps", "1 transparent"] {
+    for part in ["1 glossy materials", "1 normal maps", "1 transparent"] {
         assert!(said.contains(part), "{said}");
     }
     let [eye, plan] = &scene.cameras[..] else { panic!() };
@@ -264,42 +268,80 @@ fn grey_jpeg() -> Vec<u8> {
     bytes
 }
 
-/// Half of the pixels white, half black: the mean is half the light, whatever the encoding.
-#[test]
-fn textures_give_their_mean_colour() {
+/// White above, black below.
+fn half_white() -> Vec<u8> {
     let mut png = Vec::new();
     let encoder = image::codecs::png::PngEncoder::new(&mut png);
-    let pixels = [255, 255, 255, 0, 0, 0, 255, 255, 255, 0, 0, 0];
+    let pixels = [255, 255, 255, 255, 255, 255, 0, 0, 0, 0, 0, 0];
     let colour = image::ExtendedColorType::Rgb8;
     image::ImageEncoder::write_image(encoder, &pixels, 2, 2, colour).unwrap();
-    assert_eq!(texture::mean_colour(&png), Some([0.5; 3]));
-    assert_eq!(texture::mean_colour(b"GIF89a"), None);
-    let mut huge = grey_jpeg();
-    huge[76..80].copy_from_slice(&[0x3f, 0xff, 0x3f, 0xff]);
-    assert_eq!(texture::mean_colour(&huge), None, "it cannot hold so many pixels");
-    // Grey 128 of 255: linear .21586.
-    let grey = texture::mean_colour(&grey_jpeg()).unwrap();
-    assert!(grey.iter().all(|value| (value - 0.215_86).abs() < 1e-5), "{grey:?}");
-    assert_eq!(texture::mean_colour(&png[..40]), None);
+    png
+}
 
-    let textured = |bytes: &[u8]| {
-        let data = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, bytes);
-        let mut document = square();
-        document["images"] = json!([{ "uri": format!("data:image/png;base64,{data}") }]);
-        document["textures"] = json!([{ "source": 0 }]);
-        document["materials"] = json!([{ "pbrMetallicRoughness": {
-            "baseColorFactor": [1, 0.5, 0, 1], "metallicFactor": 0, "baseColorTexture": { "index": 0 },
-        } }]);
-        document["meshes"][0]["primitives"][0]["material"] = 0.into();
-        let scene = read(&document).unwrap();
+/// The square with a picture on it, placed by coordinates if wanted.
+fn textured(bytes: &[u8], placed: bool) -> ImportedScene {
+    let data =
+        |bytes: &[u8]| base64::Engine::encode(&base64::engine::general_purpose::STANDARD, bytes);
+    let mut document = square();
+    document["images"] = json!([{ "uri": format!("data:image/png;base64,{}", data(bytes)) }]);
+    document["textures"] = json!([{ "source": 0 }]);
+    document["materials"] = json!([{ "pbrMetallicRoughness": {
+        "baseColorFactor": [1, 0.5, 0, 1], "metallicFactor": 0, "baseColorTexture": { "index": 0 },
+    } }]);
+    document["meshes"][0]["primitives"][0]["material"] = 0.into();
+    if placed {
+        let places: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+        let bytes: Vec<u8> =
+            places.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+        let (buffers, views, accessors) = ("buffers", "bufferViews", "accessors");
+        let push = |document: &mut Value, list: &str, item: Value| {
+            let items = document[list].as_array_mut().unwrap();
+            items.push(item);
+            items.len() - 1
+        };
+        let uri = format!("data:application/octet-stream;base64,{}", data(&bytes));
+        let buffer = push(&mut document, buffers, json!({ "byteLength": 32, "uri": uri }));
+        let view = push(&mut document, views, json!({ "buffer": buffer, "byteLength": 32 }));
+        let accessor = push(
+            &mut document,
+            accessors,
+            json!({ "bufferView": view, "componentType": 5126, "type": "VEC2", "count": 4 }),
+        );
+        document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = accessor.into();
+    }
+    read(&document).unwrap()
+}
+
+#[test]
+fn textures_lie_where_the_mesh_places_them() {
+    let scene = textured(&half_white(), true);
+    let object = &scene.objects[0];
+    assert_eq!(object.mesh.coordinates[0], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], "v goes up");
+    let texture = object.material.texture.as_ref().unwrap();
+    assert_eq!(texture.at([0.5, 0.75]), [1.0; 3]);
+    assert_eq!(texture.at([0.5, 0.25]), [0.0; 3]);
+    assert_eq!((object.material.base_colour, scene.ignored), ([1.0, 0.5, 0.0], None));
+}
+
+#[test]
+fn textures_without_a_place_give_their_mean_colour() {
+    let mean = |bytes: &[u8]| {
+        let scene = textured(bytes, false);
+        assert!(scene.objects[0].mesh.coordinates.is_empty());
+        assert_eq!(scene.objects[0].material.texture, None);
         (scene.objects[0].material.base_colour, scene.ignored.unwrap())
     };
-    assert_eq!(
-        textured(&png),
-        ([0.5, 0.25, 0.0], "1 textures (their mean colours are taken)".into())
-    );
-    let (half, said) = textured(b"GIF89a");
-    assert!(half == [0.5, 0.25, 0.0] && said.contains("not read"), "{said}");
+    let (half, said) = mean(&half_white());
+    assert!(half == [0.5, 0.25, 0.0] && said.contains("without coordinates"), "{half:?} {said}");
+    // Grey 128 of 255: linear .21586.
+    let (grey, _) = mean(&grey_jpeg());
+    assert!((grey[0] - 0.215_86).abs() < 1e-5, "{grey:?}");
+    let mut huge = grey_jpeg();
+    huge[76..80].copy_from_slice(&[0x3f, 0xff, 0x3f, 0xff]);
+    for unread in [b"GIF89a", &huge[..], &half_white()[..40]] {
+        let (half, said) = mean(unread);
+        assert!(half == [0.5, 0.25, 0.0] && said.contains("not read"), "{said}");
+    }
 }
 
 #[test]
@@ -414,7 +456,7 @@ proptest! {
             let at = at.index(bytes.len());
             bytes[at] = *value;
         }
-        let _ = texture::mean_colour(&bytes);
+        let _ = crate::texture::decode(&bytes);
     }
 
     #[test]

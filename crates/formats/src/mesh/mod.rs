@@ -14,7 +14,7 @@ use snowgrain_geometry::{GeometryError, TriangleMesh};
 use std::path::Path;
 
 /// Loads a mesh from an `.obj`, `.ply`, `.gltf` or `.glb` file; polygons become fans of triangles,
-/// everything but positions and faces is ignored, and all nodes of a glTF scene are one mesh.
+/// everything but positions, faces and texture coordinates is ignored, and all nodes of a glTF scene are one mesh.
 ///
 /// # Errors
 /// A missing or unreadable file; another extension; content that is not a mesh, with its line
@@ -41,8 +41,9 @@ pub fn load_mesh(path: &Path) -> Result<TriangleMesh, FormatsError> {
 pub(crate) fn mesh(
     positions: Vec<snowgrain_math::DVec3>,
     triangles: Vec<[u32; 3]>,
+    coordinates: Vec<[[f32; 2]; 3]>,
 ) -> Result<TriangleMesh, Fault> {
-    TriangleMesh::new(positions, triangles).map_err(|error| {
+    TriangleMesh::with_coordinates(positions, triangles, coordinates).map_err(|error| {
         let place = match error {
             GeometryError::VertexNotFinite { vertex } => Place::Vertex(vertex as u64),
             _ => Place::Whole,
@@ -108,7 +109,8 @@ mod tests {
 
     #[test]
     fn every_encoding_gives_the_same_square() {
-        assert_eq!(obj(SQUARE_OBJ).unwrap(), square());
+        let placed = TriangleMesh { coordinates: vec![[[0.0; 2]; 3]; 2], ..square() };
+        assert_eq!(obj(SQUARE_OBJ).unwrap(), placed);
         assert_eq!(ply(ascii_ply().as_bytes()).unwrap(), square());
         assert_eq!(ply(&binary_ply(false)).unwrap(), square());
         assert_eq!(ply(&binary_ply(true)).unwrap(), square());
@@ -121,6 +123,27 @@ mod tests {
         assert_eq!(mesh.triangles.len(), 4);
         assert_eq!(mesh.corners(2)[1], DVec3::new(6.0, 5.0, 5.0));
         assert_eq!(mesh.corners(3)[1], DVec3::new(1.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn corners_keep_their_places_in_a_picture() {
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 0.5 0\nvt 1 1\nvt 0 1\n\
+            f 1/1 2/2 3/3\nf 1/1 1/1 1/1\nf 1/4 3/3 4/1\n";
+        let mesh = obj(text).unwrap();
+        let expected = [[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]], [[0.0, 1.0], [1.0, 1.0], [0.0, 0.0]]];
+        assert_eq!(mesh.coordinates, expected, "those of the triangle without area are gone");
+        let error = obj(&text.replace("vt 0.5 0", "vt nan 0")).unwrap_err().to_string();
+        assert!(error.contains("texture coordinate"), "{error}");
+        for [u, v] in [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]] {
+            let text = format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                 property float z\nproperty float {u}\nproperty float {v}\nelement face 1\n\
+                 property list uchar int vertex_indices\nend_header\n0 0 0 0 1\n1 0 0 0.5 0\n\
+                 0 1 0 1 1\n3 0 1 2\n"
+            );
+            let places = [[[0.0, 1.0], [0.5, 0.0], [1.0, 1.0]]];
+            assert_eq!(ply(text.as_bytes()).unwrap().coordinates, places, "{u}");
+        }
     }
 
     #[test]

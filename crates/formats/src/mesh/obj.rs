@@ -24,6 +24,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
     let values = models.iter().map(|model| model.mesh.positions.len()).sum::<usize>();
     let mut positions: Vec<DVec3> = room(values / 3, "vertices")?;
     let mut triangles = room(corners / 3, "triangles")?;
+    // The reader gives a corner without coordinates those of the one before.
+    let textured = models.iter().all(|model| {
+        let mesh = &model.mesh;
+        let all = mesh.texcoord_indices.len() == mesh.indices.len();
+        all && (!mesh.texcoords.is_empty() || mesh.indices.is_empty())
+    });
+    let mut coordinates = room(if textured { corners / 3 } else { 0 }, "texture coordinates")?;
     for model in &models {
         let first = u32::try_from(positions.len())
             .map_err(|_| Fault::TooLarge("a mesh of 2^32 vertices".into()))?;
@@ -31,8 +38,23 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
         positions.extend(vertices.chunks_exact(3).map(|p| DVec3::new(p[0], p[1], p[2])));
         let moved = |t: &[u32]| [t[0], t[1], t[2]].map(|vertex| first.saturating_add(vertex));
         triangles.extend(faces.chunks_exact(3).map(moved));
+        if textured {
+            coordinates.extend(places(&model.mesh));
+        }
     }
-    mesh(positions, triangles)
+    mesh(positions, triangles, coordinates)
+}
+
+/// Where the corners of each triangle lie in a picture.
+fn places(mesh: &tobj::Mesh) -> impl Iterator<Item = [[f32; 2]; 3]> {
+    let place = |corner: u32| {
+        let at = |axis: usize| {
+            let value = mesh.texcoords.get(2 * corner as usize + axis);
+            value.map_or(f32::NAN, |&value| value as f32)
+        };
+        [at(0), at(1)]
+    };
+    mesh.texcoord_indices.chunks_exact(3).map(move |c| [c[0], c[1], c[2]].map(place))
 }
 
 /// A first look at the lines: finds the faults that `tobj` accepts, or reports without their line.

@@ -44,23 +44,28 @@ pub(super) fn read(mut reader: impl BufRead, length: u64) -> Result<TriangleMesh
         return Err(Fault::whole("this file holds grains, not a mesh", mend));
     }
     let mut body = Body::new(reader, &header, length);
-    let (mut positions, mut triangles) = (None, None);
+    let (mut vertices, mut triangles) = (None, None);
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => positions = Some(read_vertices(&mut body, element)?),
+            "vertex" => vertices = Some(read_vertices(&mut body, element)?),
             "face" => {
-                let vertices = header.element("vertex").map_or(0, |vertex| vertex.count);
-                triangles = Some(read_faces(&mut body, element, vertices)?);
+                let count = header.element("vertex").map_or(0, |vertex| vertex.count);
+                triangles = Some(read_faces(&mut body, element, count)?);
             }
             _ => body.skip(element)?,
         }
-        if positions.is_some() && triangles.is_some() {
+        if vertices.is_some() && triangles.is_some() {
             break;
         }
     }
-    let positions = positions.ok_or_else(|| Fault::whole("the mesh has no vertices", MEND))?;
+    let (positions, places) =
+        vertices.ok_or_else(|| Fault::whole("the mesh has no vertices", MEND))?;
     let triangles = triangles.ok_or_else(|| Fault::whole("the mesh has no faces", MEND))?;
-    mesh(positions, triangles)
+    let mut coordinates = room(if places.is_empty() { 0 } else { triangles.len() }, "corners")?;
+    if !places.is_empty() {
+        coordinates.extend(triangles.iter().map(|t| t.map(|vertex| places[vertex as usize])));
+    }
+    mesh(positions, triangles, coordinates)
 }
 
 /// Number of rows of an element, which [`Header::read`] has compared with the file's length.
@@ -89,9 +94,19 @@ pub(crate) fn single_property(element: &Element, name: &str) -> Result<usize, Fa
         })
 }
 
-fn read_vertices(body: &mut Body<impl BufRead>, element: &Element) -> Result<Vec<DVec3>, Fault> {
+/// Positions of vertices, and where they lie in a picture.
+type Vertices = (Vec<DVec3>, Vec<[f32; 2]>);
+
+/// Places in a picture are empty where the file has none under the names that programs use.
+fn read_vertices(body: &mut Body<impl BufRead>, element: &Element) -> Result<Vertices, Fault> {
     let axes = coordinates(element)?;
+    let names = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+    let place = names.iter().find_map(|[u, v]| {
+        let [u, v] = [u, v].map(|name| single_property(element, name).ok());
+        Some([u?, v?])
+    });
     let mut positions = room(rows(element)?, "vertices")?;
+    let mut places = room(place.map_or(0, |_| positions.capacity()), "places in a picture")?;
     let mut row = Row::default();
     for vertex in 0..element.count {
         body.read(element, &mut row)?;
@@ -101,8 +116,11 @@ fn read_vertices(body: &mut Body<impl BufRead>, element: &Element) -> Result<Vec
             return Err(Fault::new(place, "a coordinate is not a finite number", MEND));
         }
         positions.push(position);
+        if let Some(axes) = place {
+            places.push(axes.map(|axis| row.numbers[axis] as f32));
+        }
     }
-    Ok(positions)
+    Ok((positions, places))
 }
 
 fn read_faces(

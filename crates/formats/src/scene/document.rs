@@ -5,9 +5,11 @@
 
 mod camera;
 mod light;
+mod material;
 
 pub use camera::{CameraKind, CameraTable, ImportTable};
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
+pub use material::{MaterialName, MetalName};
 
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
@@ -36,7 +38,7 @@ pub struct SceneDocument {
     /// The lights; their radiances add. At least one, or an object with `emission`, or a light of `import`.
     #[serde(default)]
     pub light: Vec<LightTable>,
-    /// Solid diffuse objects.
+    /// Solid objects.
     #[serde(default)]
     pub object: Vec<ObjectTable>,
     /// Bodies of snow and snowfalls, in the order in which they come.
@@ -165,7 +167,7 @@ fn one() -> Triple {
     Triple([1.0; 3])
 }
 
-/// A solid, diffuse object. It is scaled, then rotated, then translated.
+/// A solid object. It is scaled, then rotated, then translated.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectTable {
@@ -178,11 +180,43 @@ pub struct ObjectTable {
     /// Mesh file (.obj, .ply, .gltf or .glb), relative to the scene file; only for shape = "mesh".
     #[serde(default)]
     pub file: Option<String>,
-    /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default 0.5.
+    /// "diffuse" (reflects light evenly), "conductor" (a metal) or "dielectric" (a clear solid, as glass;
+    /// a mesh must be closed); default "diffuse".
+    #[serde(default)]
+    pub material: MaterialName,
+    /// Albedo: one number or [r, g, b], each 0 to 1; default 0.5; diffuse.
     #[serde(default = "half")]
     pub albedo: Triple,
+    /// Picture that gives the albedo or the reflectance by place (.png, .jpg, .exr or .hdr), relative to the
+    /// scene file; diffuse (instead of `albedo`), conductor (instead of `metal` and `reflectance`). A mesh
+    /// needs texture coordinates; a sphere has longitude and latitude, each face of a box and each patch of
+    /// the teapot the whole picture.
+    #[serde(default)]
+    pub albedo_texture: Option<String>,
+    /// Width and height of the picture on a plane: a length above 0; default 1 m; plane.
+    #[serde(default)]
+    pub texture_scale: Option<Length>,
+    /// "aluminium", "chromium", "copper", "gold", "iron" or "silver", of measured reflectance;
+    /// conductor (this or `reflectance`).
+    #[serde(default)]
+    pub metal: Option<MetalName>,
+    /// Reflectance of a metal at normal incidence: one number or [r, g, b], each 0 to 1; conductor (this or
+    /// `metal`).
+    #[serde(default)]
+    pub reflectance: Option<Triple>,
+    /// Roughness, 0 to 1: the slope of the microfacets (GGX) is its square, below 0.05 the surface is smooth;
+    /// default 0.3 for a conductor, 0 for a dielectric; conductor, dielectric.
+    #[serde(default)]
+    pub roughness: Option<f64>,
+    /// Index of refraction, 1 to 4; default 1.5 (window glass); dielectric.
+    #[serde(default)]
+    pub ior: Option<f64>,
+    /// Whether it is cut out where the camera sees it directly: black, of alpha 0; it throws shadows, is
+    /// mirrored and carries snow as ever; default false.
+    #[serde(default)]
+    pub holdout: bool,
     /// Radiance that it sends out on both sides, as a lamp: one number or [r, g, b], at least 0; it is black
-    /// then and takes no albedo; not for a plane; default none.
+    /// then and takes no material; not for a plane; default none.
     #[serde(default)]
     pub emission: Option<Triple>,
     /// Spectrum of the emission, as `light.spectrum`; default "d65".
@@ -222,7 +256,7 @@ pub struct InstanceTable {
     /// Translation: [x, y, z], lengths; default [0, 0, 0].
     #[serde(default = "nowhere")]
     pub translate: [Length; 3],
-    /// Diffuse albedo: one number or [r, g, b], each 0 to 1; default that of the object.
+    /// Albedo of a diffuse object: one number or [r, g, b], each 0 to 1; default that of the object.
     #[serde(default)]
     pub albedo: Option<Triple>,
 }

@@ -30,6 +30,8 @@ pub use focus::Focus;
 pub use mesh_scene::{MeshScene, MeshSceneOptions, MeshUnits, UpAxis, scene_for_mesh};
 pub use parse::{MAX_SCENE_BYTES, SCENE_VERSION, SceneFile};
 pub use quantity::{Absorption, Length, LoadText, Triple};
-pub use resolve::{Loader, ReadEnvironment, ReadGrains, ReadImport, ReadMesh, furnace, resolve};
+pub use resolve::{
+    Loader, ReadEnvironment, ReadGrains, ReadImport, ReadMesh, ReadTexture, furnace, resolve,
+};
 pub use schema::schema;
 pub use shot_scene::scene_for_shot;

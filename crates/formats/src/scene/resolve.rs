@@ -6,6 +6,7 @@ mod import;
 mod lights;
 mod objects;
 mod snow;
+mod surfaces;
 
 use super::document::{
     IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName, SamplerName,
@@ -20,12 +21,13 @@ use snowgrain_grains::GrainField;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
     FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    Packing, Pores, Sampler, SceneDescription,
+    Packing, Pores, Sampler, SceneDescription, Surface,
 };
 use snowgrain_render::light::EnvironmentMap;
+use snowgrain_render::surface::Texture;
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads a mesh file, in metres.
@@ -40,6 +42,9 @@ pub type ReadImport<'a> = dyn FnMut(&Path) -> Result<ImportedScene, LoadError> +
 /// Reads a map of all directions.
 pub type ReadEnvironment<'a> = dyn FnMut(&Path) -> Result<EnvironmentMap, LoadError> + 'a;
 
+/// Reads a picture that lies on objects.
+pub type ReadTexture<'a> = dyn FnMut(&Path) -> Result<Texture, LoadError> + 'a;
+
 /// How the files that a scene refers to are read.
 pub struct Loader<'a> {
     /// Reads a mesh.
@@ -50,6 +55,8 @@ pub struct Loader<'a> {
     pub import: &'a mut ReadImport<'a>,
     /// Reads a map.
     pub environment: &'a mut ReadEnvironment<'a>,
+    /// Reads a picture on an object.
+    pub texture: &'a mut ReadTexture<'a>,
 }
 
 /// What the scene means: every value checked, units converted, references loaded (relative to the
@@ -67,6 +74,7 @@ pub struct Loader<'a> {
 ///     mesh: &mut { none },
 ///     grains: &mut |_| Err("nor here".into()),
 ///     environment: &mut |_| Err("nor here".into()),
+///     texture: &mut |_| Err("nor here".into()),
 ///     import: &mut |_| Err("nor here".into()),
 /// };
 /// let description = resolve(&file, loader)?;
@@ -75,7 +83,7 @@ pub struct Loader<'a> {
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains, environment, import } = loader;
+    let Loader { mesh, grains, environment, import, texture } = loader;
     let film = film(&checks)?;
     let written_camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
@@ -84,7 +92,8 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let no_camera =
         || checks.missing("camera", "add [camera] with from = [0, 1, 3], at = [0, 0, 0]");
     let camera = written_camera.or(shot.camera).ok_or_else(no_camera)?;
-    let (objects, lamps) = objects::objects(&checks, shot.objects, mesh)?;
+    let mut files = Files { mesh, texture, meshes: Vec::new(), textures: Vec::new() };
+    let (objects, lamps) = objects::objects(&checks, shot.objects, &mut files)?;
     lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
@@ -212,7 +221,7 @@ fn impurities(
     loads.iter().map(impurity).collect::<Result<_, String>>().map_err(|mend| checks.bad(key, mend))
 }
 
-/// The scene as a furnace: albedos 1, no absorption, and for light only a uniform sphere of
+/// The scene as a furnace: all objects diffuse of albedo 1 and seen, no absorption, and for light only a uniform sphere of
 /// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
 #[must_use]
 pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
@@ -222,10 +231,16 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.light_finding = LightFinding::Exact;
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
-        object.albedo = [1.0; 3];
+        object.surface = Surface::diffuse([1.0; 3]);
+        object.is_holdout = false;
     }
     scene
 }
 
-/// Cache of the meshes of one scene: in the order of their first use.
-type Meshes = Vec<(std::path::PathBuf, Arc<TriangleMesh>)>;
+/// The files of objects, each read once, in the order of their first use.
+struct Files<'a, 'b> {
+    mesh: &'b mut ReadMesh<'a>,
+    texture: &'b mut ReadTexture<'a>,
+    meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
+    textures: Vec<(PathBuf, Arc<Texture>)>,
+}

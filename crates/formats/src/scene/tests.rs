@@ -15,6 +15,7 @@ use snowgrain_grains::GrainField;
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_render::description::SceneDescription;
 use snowgrain_render::light::EnvironmentMap;
+use snowgrain_render::surface::Texture;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -41,12 +42,13 @@ fn triangle() -> TriangleMesh {
 /// Two triangles one over the other, seen by two cameras.
 fn shot() -> ImportedScene {
     let mesh = Arc::new(triangle());
-    let material = ImportedMaterial { base_colour: [0.2, 0.3, 0.4], metallic: 0.0, roughness: 1.0 };
+    let base_colour = [0.2, 0.3, 0.4];
+    let material = ImportedMaterial { base_colour, texture: None, metallic: 0.0, roughness: 1.0 };
     let object = |height: f64| ImportedObject {
         name: format!("at {height}"),
         mesh: Arc::clone(&mesh),
         transform: DAffine3::from_translation(DVec3::Y * height),
-        material,
+        material: material.clone(),
     };
     let camera = |name: &str, projection| ImportedCamera {
         name: name.into(),
@@ -100,11 +102,16 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
         Some("folder/lit.glb") => Ok(lit_shot()),
         _ => Err(LoadError::from("no such file")),
     };
+    let read_texture = |path: &Path| match path.to_str() {
+        Some("folder/bark.png") => Ok(Texture::of_bytes([2, 1], vec![[255; 3], [0; 3]])?),
+        _ => Err(LoadError::from("no such file")),
+    };
     let loader = Loader {
         mesh: &mut { read_mesh },
         grains: &mut { read_grains },
         environment: &mut { read_environment },
         import: &mut { read_import },
+        texture: &mut { read_texture },
     };
     resolve(file, loader)
 }

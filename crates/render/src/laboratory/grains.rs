@@ -108,7 +108,8 @@ impl GrainLayer {
             &strata,
         )?;
         let surfaces = Surfaces::default();
-        let world = World { grid, surfaces, albedos: Vec::new(), emitters: Vec::new(), eta: 1.31 };
+        let world =
+            World { grid, surfaces, materials: Vec::new(), emitters: Vec::new(), eta: 1.31 };
         let radii = stack.layers.iter().map(|layer| layer.radius).collect();
         Ok(Self { world, period: period.map(|length| length as f64 * quantum), depth, radii })
     }

@@ -284,7 +284,11 @@ fn cuboid() -> TriangleMesh {
         let (i, j) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
         [[side, side + i, side + i + j], [side, side + i + j, side + j]]
     });
-    TriangleMesh { positions: positions.collect(), triangles: faces.collect() }
+    TriangleMesh {
+        positions: positions.collect(),
+        triangles: faces.collect(),
+        coordinates: Vec::new(),
+    }
 }
 
 #[cfg(test)]

@@ -105,5 +105,6 @@ fn quad(corner: DVec3, u: DVec3, v: DVec3) -> TriangleMesh {
     TriangleMesh {
         positions: vec![corner, corner + u, corner + u + v, corner + v],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        coordinates: Vec::new(),
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Batch {
     weights: Vec<[f32; 3]>,
     /// Of the path at hand the light of each slot.
     lights: Vec<[f32; 3]>,
+    /// Of the path at hand the light that was found, by layer where layers are kept.
+    sums: Vec<[f64; 3]>,
 }
 
 impl Batch {
@@ -85,15 +87,16 @@ impl Batch {
         first_layer: usize,
         found: &[Contribution],
     ) -> [f32; 3] {
-        let mut radiance = [0.0; 3];
+        // In double precision, so that the layers add up to the whole in single.
+        self.sums.clear();
+        self.sums.resize((self.layers.len() - first_layer).max(1), [0.0; 3]);
         for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata } in found {
             let seen = colour_of(scene, slot, weight, ice_length, ice_in_strata);
-            add(&mut radiance, seen);
-            if let Some(layers) = &scene.light_layers {
+            let layer = scene.light_layers.as_ref().map_or(0, |layers| {
                 let own = layers.layer_of_slot()[slot] as usize;
-                let layer = scene.glint_layer.filter(|_| glint).unwrap_or(own);
-                add(&mut self.layers[first_layer + layer], seen);
-            }
+                scene.glint_layer.filter(|_| glint).unwrap_or(own)
+            });
+            self.sums[layer].iter_mut().zip(seen).for_each(|(sum, seen)| *sum += f64::from(seen));
             if scene.film.keep_ice_paths {
                 let slots = scene.lights.slots().len();
                 let weights = (0..slots).map(|other| if other == slot { weight } else { [0.0; 3] });
@@ -101,7 +104,10 @@ impl Batch {
                 self.lengths.push((pixel, ice_length));
             }
         }
-        radiance
+        for (layer, sum) in self.layers[first_layer..].iter_mut().zip(&self.sums) {
+            *layer = sum.map(|channel| channel as f32);
+        }
+        [0, 1, 2].map(|channel: usize| self.sums.iter().map(|sum| sum[channel]).sum::<f64>() as f32)
     }
 
     /// The samples: pixel, what it is told, and, where layers of light are kept, the radiance in each.

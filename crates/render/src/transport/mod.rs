@@ -1,7 +1,7 @@
 //! The exact walk: from a ray to where its light comes from.
 //!
 //! A path reflects or refracts at random at every interface (in `snowgrain_accel::Flight`), bounces
-//! off diffuse objects, and ends when it escapes, when it meets a luminous surface, when an object absorbs
+//! off objects or passes through them, and ends when it escapes, when it meets a luminous surface, when an object absorbs
 //! it, or when unbiased roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
 //! its length in ice, from which any absorption follows afterwards (white Monte Carlo).
 //!
@@ -62,7 +62,7 @@ pub struct FirstHit {
     pub position: DVec3,
     /// Unit normal on the side of the camera.
     pub normal: DVec3,
-    /// Diffuse albedo there; 1 for ice.
+    /// Diffuse albedo there, or reflectance of a metal at normal incidence; 1 for ice and glass.
     pub albedo: [f32; 3],
 }
 
@@ -71,7 +71,7 @@ pub struct FirstHit {
 pub struct PathResult {
     /// How it ended.
     pub end: PathEnd,
-    /// Product of the albedos met (and of the roulette's weights).
+    /// Product of the albedos met, and of all else that surfaces left (and of the roulette's weights).
     pub throughput: [f32; 3],
     /// Length in ice, metres.
     pub ice_length: f64,
@@ -83,7 +83,7 @@ pub struct PathResult {
     pub grain_visits: u32,
     /// Fresnel decisions between air and ice.
     pub interface_events: u32,
-    /// Diffuse bounces.
+    /// Bounces off objects and passages through their surfaces.
     pub surface_bounces: u32,
     /// Times that the guard against endless circling in ice let the path out, in a diffuse direction
     /// and without loss (`snowgrain_accel::flight::MAX_TURNS_IN_ICE`); 0 but for one path in millions.
@@ -125,7 +125,7 @@ pub trait PathSource {
     }
 }
 
-/// Diffuse bounces after which a path whose throughput roulette still leaves alone counts as enclosed.
+/// Bounces off objects after which a path whose throughput roulette still leaves alone counts as enclosed.
 pub const MAX_BOUNCES_WITHOUT_LOSS: u32 = 200_000;
 
 /// Throughput under which roulette decides: below it a path survives with probability

@@ -6,10 +6,14 @@ use super::{
     ROULETTE_THRESHOLD,
 };
 use crate::World;
+use crate::surface::Scatterer;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{Flight, FlightEvent, GrainVisit, SimdLevel, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame};
+
+/// What tells the third random number of a surface from others of its path.
+const THIRD: u32 = 0x71e_fa5e7;
 
 /// What the walk keeps of a path beside its lane in the flight.
 #[derive(Clone, Copy)]
@@ -258,18 +262,27 @@ impl<Tag: Copy> Walk<'_, Tag> {
             });
         }
         let event = self.flight.travelled(lane).event;
-        let albedo = self.world.albedos[object];
+        let material = &self.world.materials[object];
+        if is_first && material.is_holdout() {
+            return Err(PathEnd::Absorbed);
+        }
+        let scatterer = material.scatterer(hit, position, arrival.direction);
         if is_first {
+            let albedo = scatterer.guide();
             walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });
         }
         walker.surface_bounces += 1;
-        let [u0, u1, u2] = numbers(walker.key, event);
+        let (key, [u0, u1, u2]) = (walker.key, numbers(walker.key, event));
         self.flight.set_event(lane, event + 1);
-        for (throughput, albedo) in walker.throughput.iter_mut().zip(albedo) {
-            *throughput *= albedo;
-        }
-        self.look_at_surface(lane, hit, position, event);
+        self.look_at_surface(lane, hit, position, (scatterer, event));
+        let third = || f64::from(numbers(PathKey { lo: key.lo ^ THIRD, ..key }, event)[0]);
+        let Some(scattered) = scatterer.sample([u1, u2].map(f64::from), third) else {
+            return Err(PathEnd::Absorbed);
+        };
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
+        for (throughput, weight) in walker.throughput.iter_mut().zip(scattered.weight) {
+            *throughput *= weight;
+        }
         let [r, g, b] = walker.throughput;
         let largest = r.max(g).max(b);
         if largest < ROULETTE_THRESHOLD {
@@ -282,19 +295,24 @@ impl<Tag: Copy> Walk<'_, Tag> {
         if walker.surface_bounces >= MAX_BOUNCES_WITHOUT_LOSS {
             return Err(PathEnd::Enclosed);
         }
-        let direction = frame::cosine_hemisphere(hit.normal, [f64::from(u1), f64::from(u2)]);
-        Ok(Ray::new(position, direction))
+        Ok(Ray::new(position, scattered.direction))
     }
 
     /// Looks for light at a surface, where light is looked for.
-    fn look_at_surface(&mut self, lane: usize, hit: &SurfaceHit, position: DVec3, event: u32) {
+    fn look_at_surface(
+        &mut self,
+        lane: usize,
+        hit: &SurfaceHit,
+        position: DVec3,
+        (scatterer, event): (Scatterer, u32),
+    ) {
         let Some(Search { seeker, trails, .. }) = &mut self.search else { return };
         let walker = self.walkers[lane].as_ref().expect("a lane with an event has a walker");
         let travelled = self.flight.travelled(lane);
         let bounce = Bounce {
             lane,
             position,
-            normal: hit.normal,
+            scatterer,
             surface: hit.id,
             in_ice: self.flight.is_in_ice(lane),
             event,

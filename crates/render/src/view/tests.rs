@@ -5,7 +5,7 @@ use crate::Strata;
 use crate::camera::Camera;
 use crate::description::{
     FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    ObjectDescription, ObjectShape,
+    ObjectDescription, ObjectShape, Surface,
 };
 use crate::{Scene, transport::FirstHit};
 use snowgrain_grains::{DepositRule, DepositSettings, Radii};
@@ -16,7 +16,8 @@ fn scene(width: u32, height: u32) -> SceneDescription {
     let object = |shape, transform| ObjectDescription {
         name: "object".into(),
         shape,
-        albedo: [0.5; 3],
+        surface: Surface::diffuse([0.5; 3]),
+        is_holdout: false,
         transform,
     };
     let ball = DAffine3::from_translation(DVec3::new(0.3, 0.05, 0.0))

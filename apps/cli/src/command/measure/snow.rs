@@ -68,7 +68,7 @@ fn world(grid: GrainGrid, ior: f64) -> World {
     World {
         grid,
         surfaces: Surfaces::default(),
-        albedos: Vec::new(),
+        materials: Vec::new(),
         emitters: Vec::new(),
         eta: ior,
     }

@@ -7,11 +7,12 @@ use super::super::document::ImportTable;
 use super::ReadImport;
 use super::checks::Checks;
 use super::objects::{Placement, check_reach, transform};
-use crate::gltf::{ImportedCamera, ImportedProjection, ImportedScene};
+use crate::gltf::{ImportedCamera, ImportedMaterial, ImportedProjection, ImportedScene};
 use snowgrain_math::DAffine3;
 use snowgrain_render::description::{
-    CameraDescription, LightDescription, ObjectDescription, ObjectShape, Projection,
+    CameraDescription, LightDescription, ObjectDescription, ObjectShape, Projection, Surface,
 };
+use snowgrain_render::surface::{Reflectance, TextureMap};
 
 /// What a shot gives to a scene.
 #[derive(Default)]
@@ -51,11 +52,26 @@ fn objects(
         Ok(ObjectDescription {
             name: object.name,
             shape: ObjectShape::Mesh(object.mesh),
-            albedo: object.material.base_colour,
+            surface: surface(object.material),
+            is_holdout: false,
             transform,
         })
     };
     shot.objects.into_iter().map(describe).collect()
+}
+
+/// Metals are conductors, all else is diffuse whatever its gloss.
+fn surface(material: ImportedMaterial) -> Surface {
+    let metal = material.is_metal();
+    let colour = material.base_colour;
+    let reflectance = match material.texture {
+        Some(texture) => Reflectance::Texture(TextureMap { texture, factor: colour, metres: 1.0 }),
+        None => Reflectance::Colour(colour),
+    };
+    if metal {
+        return Surface::Conductor { reflectance, roughness: f64::from(material.roughness) };
+    }
+    Surface::Diffuse { albedo: reflectance }
 }
 
 /// The camera that the table names, or the first.

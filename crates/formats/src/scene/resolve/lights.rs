@@ -7,6 +7,7 @@ use super::super::document::{LightKindName, LightTable, ShapeKind, SpectrumName}
 use super::super::quantity::{Length, Triple};
 use super::ReadEnvironment;
 use super::checks::Checks;
+use super::surfaces;
 use clear_day::ClearDay;
 use core::ops::Range;
 use snowgrain_math::DVec3;
@@ -93,9 +94,10 @@ pub(super) fn of_objects(
         return Err(checks.misplaced(&key("emission"), mend));
     }
     let path = format!("object.{index}");
-    let is_albedo = |key: &&str| *key == "albedo" || key.ends_with(".albedo");
-    if let Some(name) = checks.written_keys(&path).find(is_albedo) {
-        let mend = "an object with emission is black; remove the albedo or the emission";
+    let is_material = |key: &&str| surfaces::is_of_material(key) || key.ends_with(".albedo");
+    if let Some(name) = checks.written_keys(&path).find(is_material) {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        let mend = format!("an object with emission is black; remove the {last} or the emission");
         return Err(checks.misplaced(&key(name), mend));
     }
     let strength = checks.radiance(&key("emission"), emission)?;

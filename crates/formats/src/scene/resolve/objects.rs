@@ -4,7 +4,7 @@ use super::super::SceneError;
 use super::super::document::{InstanceTable, ObjectTable, ShapeKind};
 use super::super::quantity::{Length, Triple};
 use super::checks::{Checks, LARGEST, SMALLEST};
-use super::{Meshes, ReadMesh, lights};
+use super::{Files, lights, surfaces};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, trig};
 use snowgrain_render::description::{LightDescription, ObjectDescription, ObjectShape};
@@ -15,13 +15,12 @@ use std::sync::Arc;
 pub(super) fn objects(
     checks: &Checks<'_>,
     mut objects: Vec<ObjectDescription>,
-    read_mesh: &mut ReadMesh<'_>,
+    files: &mut Files<'_, '_>,
 ) -> Result<(Vec<ObjectDescription>, Vec<LightDescription>), SceneError> {
-    let mut meshes = Meshes::new();
     let mut lamps = Vec::new();
     for (i, table) in checks.document().object.iter().enumerate() {
         let path = format!("object.{i}");
-        let (object, bounds) = object(checks, &path, table, &mut meshes, read_mesh)?;
+        let (object, bounds) = object(checks, &path, table, files)?;
         let first = objects.len();
         if let Some(places) = &table.instances {
             objects.extend(instances(checks, &path, places, &object, &bounds)?);
@@ -54,12 +53,15 @@ fn instances(
             Placement { scale: place.scale, rotate: place.rotate, translate: place.translate };
         let transform = transform(checks, &path, &moved)? * object.transform;
         check_reach(checks, &format!("{path}.scale"), bounds, &transform)?;
-        let albedo = match place.albedo {
-            Some(albedo) => self::albedo(checks, &path, albedo)?,
-            None => object.albedo,
-        };
+        let surface = surfaces::with_albedo(checks, &path, place.albedo, &object.surface)?;
         let name = format!("{}.{i}", object.name);
-        Ok(ObjectDescription { name, shape: object.shape.clone(), albedo, transform })
+        Ok(ObjectDescription {
+            name,
+            shape: object.shape.clone(),
+            surface,
+            transform,
+            is_holdout: object.is_holdout,
+        })
     };
     places.iter().enumerate().map(instance).collect()
 }
@@ -77,18 +79,22 @@ fn object(
     checks: &Checks<'_>,
     path: &str,
     table: &ObjectTable,
-    meshes: &mut Meshes,
-    read_mesh: &mut ReadMesh<'_>,
+    files: &mut Files<'_, '_>,
 ) -> Result<(ObjectDescription, Aabb), SceneError> {
     let key = |name: &str| format!("{path}.{name}");
-    let albedo = albedo(checks, path, table.albedo)?;
+    let surface = surfaces::surface(checks, path, table, files)?;
     let placement =
         Placement { scale: table.scale, rotate: table.rotate, translate: table.translate };
     let transform = transform(checks, path, &placement)?;
     let mut bounds = Aabb::new(-DVec3::ONE, DVec3::ONE);
     let shape = match (table.shape, &table.file) {
         (ShapeKind::Mesh, Some(file)) => {
-            let mesh = mesh(checks, &key("file"), file, meshes, read_mesh)?;
+            let mesh = mesh(checks, &key("file"), file, files)?;
+            if table.albedo_texture.is_some() && mesh.coordinates.is_empty() {
+                let mend = "the mesh has no texture coordinates (\"vt\" of .obj, s and t of .ply); \
+                            export it with them, or bring a glTF file by [import]";
+                return Err(checks.bad(&key("albedo_texture"), mend));
+            }
             bounds = mesh.bounds();
             ObjectShape::Mesh(mesh)
         }
@@ -110,29 +116,25 @@ fn object(
         (None, Some(file)) => file.to_string_lossy().into_owned(),
         (None, None) => path.to_owned(),
     };
-    Ok((ObjectDescription { name, shape, albedo, transform }, bounds))
-}
-
-fn albedo(checks: &Checks<'_>, path: &str, albedo: Triple) -> Result<[f32; 3], SceneError> {
-    if albedo.0.iter().all(|a| (0.0..=1.0).contains(a)) {
-        return Ok(albedo.0.map(|a| a as f32));
-    }
-    Err(checks.bad(&format!("{path}.albedo"), "each must be 0 to 1"))
+    Ok((ObjectDescription { name, shape, surface, transform, is_holdout: table.holdout }, bounds))
 }
 
 fn mesh(
     checks: &Checks<'_>,
     key: &str,
     file: &str,
-    meshes: &mut Meshes,
-    read_mesh: &mut ReadMesh<'_>,
+    files: &mut Files<'_, '_>,
 ) -> Result<Arc<TriangleMesh>, SceneError> {
     let path = checks.reference(key, file)?;
-    if let Some((_, mesh)) = meshes.iter().find(|(known, _)| *known == path) {
+    if let Some((_, mesh)) = files.meshes.iter().find(|(known, _)| *known == path) {
         return Ok(Arc::clone(mesh));
     }
-    let mesh = Arc::new(read_mesh(&path).map_err(|cause| checks.unusable(key, cause))?);
-    meshes.push((path, Arc::clone(&mesh)));
+    let mut mesh = (files.mesh)(&path).map_err(|cause| checks.unusable(key, cause))?;
+    if checks.document().object.iter().all(|object| object.albedo_texture.is_none()) {
+        mesh.coordinates = Vec::new();
+    }
+    let mesh = Arc::new(mesh);
+    files.meshes.push((path, Arc::clone(&mesh)));
     Ok(mesh)
 }
 

@@ -8,12 +8,13 @@ use crate::scene::{
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_optics::{
-    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
+    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Metal, Primaries,
 };
 use snowgrain_render::description::{
     Focus, IceDescription, Lens, LightDescription, LightFinding, LightKind, ObjectShape,
-    Projection, Sampler, SceneDescription, SnowDescription,
+    Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
+use snowgrain_render::surface::Reflectance;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -42,7 +43,7 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!(scene.film.sampler, Sampler::Independent);
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Sky, [1.0; 3])]);
     assert_eq!(scene.objects[0].name, "object.0");
-    assert_eq!(scene.objects[0].albedo, [0.5; 3]);
+    assert_eq!(scene.objects[0].surface, Surface::diffuse([0.5; 3]));
     let expected = DepositSettings {
         amount: Amount::Grains(1000),
         radii: Radii { mean: 0.0005, variation: 0.0 },
@@ -189,6 +190,7 @@ fn meshes_are_read_once_relative_to_the_scene() {
         grains: &mut no_grains,
         environment: &mut |_| Err("nor a map".into()),
         import: &mut |_| Err("nor a shot".into()),
+        texture: &mut |_| Err("nor a picture".into()),
     };
     let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
@@ -207,7 +209,8 @@ fn an_object_stands_where_its_instances_say() {
     let scene = read(&text, &[]).unwrap();
     let [first, second] = scene.objects.as_slice() else { panic!("{:?}", scene.objects) };
     assert_eq!([&first.name, &second.name], ["model.obj.0", "model.obj.1"]);
-    assert_eq!([first.albedo, second.albedo], [[0.25; 3], [1.0, 0.0, 0.0]]);
+    let expected = [[0.25; 3], [1.0, 0.0, 0.0]].map(Surface::diffuse);
+    assert_eq!([&first.surface, &second.surface], expected.each_ref());
     assert_eq!(first.transform.transform_point3(DVec3::Y), DVec3::new(1.0, 2.0, 0.1));
     assert_eq!(second.transform.transform_point3(DVec3::ONE), DVec3::new(2.0, 6.0, -2.0));
     let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&first.shape, &second.shape) else {
@@ -264,7 +267,8 @@ fn a_shot_gives_its_objects_and_its_camera() {
     let [low, high] = &scene.objects[..] else { panic!("{:?}", scene.objects) };
     let (ObjectShape::Mesh(a), ObjectShape::Mesh(b)) = (&low.shape, &high.shape) else { panic!() };
     assert!(Arc::ptr_eq(a, b), "a mesh is held once");
-    assert_eq!((high.name.as_str(), high.albedo), ("at 0.5", [0.2, 0.3, 0.4]));
+    assert_eq!(high.name, "at 0.5");
+    assert_eq!(high.surface, Surface::diffuse([0.2, 0.3, 0.4]));
     assert_eq!(high.transform.transform_point3(DVec3::X), DVec3::new(3.0, 1.0, 0.0));
     assert_eq!(scene.camera.from, DVec3::new(1.0, 0.0, 4.0));
     assert_eq!(scene.camera.at - scene.camera.from, DVec3::Z * -2.0);
@@ -351,13 +355,37 @@ fn snowy_objects_fit_into_their_pictures() {
 }
 
 #[test]
+fn objects_are_of_metal_glass_or_pictures() {
+    let of = |keys: &str| {
+        let keys = format!("shape = \"plane\"\n{keys}");
+        let scene = read(&LEAST.replace("shape = \"sphere\"", &keys), &["snow=[]"]).unwrap();
+        (scene.objects[0].surface.clone(), scene)
+    };
+    let (gold, _) = of("material = \"conductor\"\nmetal = \"gold\"");
+    let reflectance = Reflectance::Colour(Metal::Gold.reflectance());
+    assert_eq!(gold, Surface::Conductor { reflectance, roughness: 0.3 });
+    let (own, _) =
+        of("material = \"conductor\"\nreflectance = [1, 0.5, 0]\nroughness = 0\nholdout = true");
+    let reflectance = Reflectance::Colour([1.0, 0.5, 0.0]);
+    assert_eq!(own, Surface::Conductor { reflectance, roughness: 0.0 });
+    let (glass, _) = of("material = \"dielectric\"");
+    assert_eq!(glass, Surface::Dielectric { ior: 1.5, roughness: 0.0 });
+    let (bark, scene) = of("albedo_texture = \"bark.png\"\ntexture_scale = \"20 cm\"");
+    let map = bark.texture().unwrap();
+    assert_eq!((map.texture.size(), map.metres, map.factor), ([2, 1], 0.2, [1.0; 3]));
+    assert!(!scene.objects[0].is_holdout);
+    let held = of("holdout = true").1;
+    assert!(held.objects[0].is_holdout && !furnace(held).objects[0].is_holdout);
+}
+
+#[test]
 fn a_furnace_has_white_walls_and_one_uniform_light() {
     let mut scene = builtin("snowy-teapot");
     scene.light_finding = LightFinding::AllSampled;
     let scene = furnace(scene);
     assert_eq!(scene.light_finding, LightFinding::Exact);
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0; 3])]);
-    assert_eq!(scene.objects[0].albedo, [1.0; 3]);
+    assert_eq!(scene.objects[0].surface, Surface::diffuse([1.0; 3]));
     assert_eq!(scene.camera.backdrop, [1.0; 3]);
     assert_eq!(scene.ice, IceDescription::clear(scene.ice.ior));
 }

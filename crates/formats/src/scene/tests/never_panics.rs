@@ -48,7 +48,7 @@ proptest! {
             "camera.up.2", "camera.vertical_fov", "camera.backdrop", "camera.aperture",
             "camera.f_number", "camera.blades", "ice.ior", "ice.absorption",
             "light.radiance", "object.scale", "object.rotate.0", "object.translate.2",
-            "object.albedo", "snow.grains", "snow.radius", "snow.variation", "snow.density",
+            "object.albedo", "object.roughness", "object.ior", "object.texture_scale", "snow.grains", "snow.radius", "snow.variation", "snow.density",
             "snow.max_slope", "snow.direction.0", "snow.area.0", "snow.seed", "version",
         ]),
     ) {

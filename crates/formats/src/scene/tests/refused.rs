@@ -242,6 +242,57 @@ fn keys_of_one_source_are_refused_on_another() {
 }
 
 #[test]
+fn materials_are_checked() {
+    let with = |keys: &str| {
+        let keys = format!("shape = \"sphere\"\n{keys}");
+        refusal(&LEAST.replace("shape = \"sphere\"", &keys), &[])
+    };
+    assert!(with("material = \"wood\"").contains("object.0.material = \"wood\""));
+    for (keys, said) in [
+        ("roughness = 0.2", "object.0.roughness = 0.2: only material = \"conductor\" or"),
+        ("metal = \"gold\"", "object.0.metal = \"gold\": only material = \"conductor\" takes it"),
+        ("texture_scale = 2", "object.0.texture_scale = 2: there is no albedo_texture"),
+        ("albedo_texture = \"none.png\"", "object.0.albedo_texture = \"none.png\": no such file"),
+        ("albedo_texture = \"\"", "must name a file"),
+        ("albedo_texture = \"bark.png\"\nalbedo = 1", "object.0.albedo = 1: the picture of"),
+        ("albedo_texture = \"bark.png\"\ntexture_scale = 2", "only a plane takes it"),
+        (
+            "albedo_texture = \"bark.png\"\ninstances = [{ albedo = 1 }]",
+            "object.0.instances.0.albedo = 1: the picture of albedo_texture",
+        ),
+        ("holdout = true\nemission = 1", "an object with emission is black"),
+    ] {
+        let refused = with(keys);
+        assert!(refused.contains(said), "{keys}: {refused}");
+    }
+    let metal = |keys: &str| with(&format!("material = \"conductor\"\n{keys}"));
+    for (keys, said) in [
+        ("", "object.0.metal is missing: name the metal"),
+        ("metal = \"unobtainium\"", "object.0.metal"),
+        ("metal = \"iron\"\nreflectance = 1", "object.0.reflectance = 1: the metal has one"),
+        ("reflectance = 1.5", "object.0.reflectance = 1.5: each must be 0 to 1"),
+        ("metal = \"iron\"\nroughness = -1", "object.0.roughness = -1: must be 0 (smooth) to 1"),
+        ("metal = \"iron\"\nalbedo = 1", "object.0.albedo = 1: only material = \"diffuse\""),
+        ("metal = \"iron\"\nior = 2", "object.0.ior = 2: only material = \"dielectric\""),
+        ("metal = \"iron\"\nemission = 1", "object.0.material"),
+        ("metal = \"iron\"\ninstances = [{ albedo = 1 }]", "only diffuse objects have an albedo"),
+    ] {
+        let refused = metal(keys);
+        assert!(refused.contains(said), "{keys}: {refused}");
+    }
+    let glass = with("material = \"dielectric\"\nior = 0.5");
+    assert!(glass.contains("object.0.ior = 0.5: must be 1 to 4"), "{glass}");
+    let bare = refusal(
+        &LEAST.replace(
+            "shape = \"sphere\"",
+            "shape = \"mesh\"\nfile = \"model.obj\"\nalbedo_texture = \"bark.png\"",
+        ),
+        &[],
+    );
+    assert!(bare.contains("the mesh has no texture coordinates"), "{bare}");
+}
+
+#[test]
 fn instances_are_checked() {
     let with = |instances: &str| {
         let keys = format!("shape = \"sphere\"\ninstances = {instances}");

@@ -70,7 +70,7 @@ fn union(layer: &WetLayer, radius: f64, eta: f64, paths: u64) -> [Estimate; 3] {
     let world = World {
         grid,
         surfaces: Surfaces::default(),
-        albedos: Vec::new(),
+        materials: Vec::new(),
         emitters: Vec::new(),
         eta,
     };

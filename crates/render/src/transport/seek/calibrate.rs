@@ -5,7 +5,8 @@
 //! the search would find of a uniform light is compared with what paths find, which is exact: some paths
 //! are followed before the picture, with random numbers of their own; at each arrival a way out is drawn
 //! as if the place were random, and counted where it is clear, and so are the ways by which paths escape.
-//! The ratio of the counts, by the order of the grain and the angle of scattering, is a factor on what the
+//! The ratio of the counts, by the order of the grain, the angle of scattering and how
+//! steeply light leaves, is a factor on what the
 //! search finds. In uniform light it is then right on average; in any other what is left is how the ratio
 //! changes within a bin.
 
@@ -23,7 +24,7 @@ use snowgrain_optics::sphere::Impact;
 use snowgrain_optics::{Dielectric, fresnel};
 
 /// Paths that are followed.
-const PATHS: u64 = 1 << 17;
+const PATHS: u64 = 1 << 18;
 /// Paths of one task.
 const TASK: u64 = 1 << 11;
 /// What tells their random numbers from those of the picture.
@@ -31,42 +32,47 @@ const STREAM: u64 = 0xca11_b7a7_e5ee_d000;
 /// Orders that are told apart; the last is that and all higher ones.
 const ORDERS: usize = 4;
 /// Bins of the angle of scattering, equal in the sine of its half.
-const ANGLES: usize = 8;
+const ANGLES: usize = 6;
+/// Bins of the height of the direction in which light leaves, equal in its sine.
+const HEIGHTS: usize = 6;
 /// Added to both counts, so that few of them change little.
-const PRIOR: f64 = 16.0;
+const PRIOR: f64 = 4.0;
 
-/// What is told apart: whence light arrived, the order of the grain, the angle of scattering.
+/// What is told apart: whence light arrived, the order of the grain, the angle of scattering, and how steeply
+/// light leaves (snow that fell is not alike in all directions).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bin(usize);
 
 impl Bin {
-    const COUNT: usize = 2 * ORDERS * ANGLES;
+    const COUNT: usize = 2 * ORDERS * ANGLES * HEIGHTS;
 
-    fn new(from: ArrivalFrom, order: u32, cosine: f64) -> Self {
+    /// For light that arrives along one unit vector and leaves along the other.
+    fn new(from: ArrivalFrom, order: u32, [arrives, leaves]: [DVec3; 2]) -> Self {
         let from = match from {
             ArrivalFrom::Air => 0,
             ArrivalFrom::Ice => 1,
         };
         let order = (order as usize).clamp(1, ORDERS) - 1;
-        let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
+        let half_sine = (0.5 - 0.5 * arrives.dot(leaves)).max(0.0).sqrt();
         let angle = ((half_sine * ANGLES as f64) as usize).min(ANGLES - 1);
-        Self((from * ORDERS + order) * ANGLES + angle)
+        let height = ((0.5 + 0.5 * leaves.y) * HEIGHTS as f64) as usize;
+        Self(((from * ORDERS + order) * ANGLES + angle) * HEIGHTS + height.min(HEIGHTS - 1))
     }
 }
 
 /// Factors on what a search finds.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gains([f64; Bin::COUNT]);
+pub struct Gains(Box<[f64; Bin::COUNT]>);
 
 impl Default for Gains {
     fn default() -> Self {
-        Self([1.0; Bin::COUNT])
+        Self(Box::new([1.0; Bin::COUNT]))
     }
 }
 
 impl Gains {
-    pub(super) fn gain(&self, from: ArrivalFrom, order: u32, cosine: f64) -> f64 {
-        self.0[Bin::new(from, order, cosine).0]
+    pub(super) fn gain(&self, from: ArrivalFrom, order: u32, ways: [DVec3; 2]) -> f64 {
+        self.0[Bin::new(from, order, ways).0]
     }
 }
 
@@ -88,8 +94,8 @@ impl Tally {
         self.found[bin.0] += u64::from(times);
     }
 
-    pub(super) fn escaped(&mut self, from: ArrivalFrom, order: u32, cosine: f64) {
-        self.escaped[Bin::new(from, order, cosine).0] += 1;
+    pub(super) fn escaped(&mut self, from: ArrivalFrom, order: u32, ways: [DVec3; 2]) {
+        self.escaped[Bin::new(from, order, ways).0] += 1;
     }
 
     fn merged(mut self, other: &Self) -> Self {
@@ -101,9 +107,8 @@ impl Tally {
     }
 
     fn gains(&self) -> Gains {
-        Gains(std::array::from_fn(|bin| {
-            (self.escaped[bin] as f64 + PRIOR) / (self.found[bin] as f64 + PRIOR)
-        }))
+        let gain = |bin| (self.escaped[bin] as f64 + PRIOR) / (self.found[bin] as f64 + PRIOR);
+        Gains(Box::new(std::array::from_fn(gain)))
     }
 }
 
@@ -180,7 +185,7 @@ impl Seeker<'_> {
             (last.direction * cos + across * sin).normalize()
         };
         let direction = at(leaves);
-        let bin = Bin::new(visit.from, order, last.direction.dot(direction));
+        let bin = Bin::new(visit.from, order, [last.direction, direction]);
         let beginning = last.origin.map(|origin| Beginning {
             grain: (visit.center, visit.radius),
             direction: last.direction,

@@ -3,7 +3,6 @@
 use super::{GRAINS_BEFORE_SUNS, Seeker, Trail, Vertex, product, scaled};
 use crate::light::{LightRole, Lights};
 use crate::transport::{Contribution, PathResult};
-use core::f64::consts::PI;
 use snowgrain_math::DVec3;
 
 /// Where a path met light.
@@ -40,7 +39,7 @@ impl Seeker<'_> {
         let order = trail.order(path.grain_visits);
         if let Some(tally) = &mut self.tally {
             if let (Met::Infinity(direction), Some(last)) = (met, trail.last) {
-                tally.escaped(last.from, order, last.direction.dot(direction));
+                tally.escaped(last.from, order, [last.direction, direction]);
             }
             return;
         }
@@ -106,8 +105,8 @@ impl Seeker<'_> {
     ) -> Chance<'_> {
         let search = self.search;
         match (order, trail.vertex, trail.last) {
-            (0, Vertex::Surface(position, normal), _) => {
-                Chance::Beside(&search.late, position, normal.dot(direction).max(0.0) / PI)
+            (0, Vertex::Surface(position, scatterer), _) => {
+                Chance::Beside(&search.late, position, scatterer.density(direction))
             }
             (0, _, _) => Chance::All(&search.lights),
             (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {

@@ -29,6 +29,9 @@ use snowgrain_math::{DVec3, trig};
 const TRIALS: usize = 8;
 /// What tells the random numbers of trials from others of a search.
 const TRIAL: u32 = 0x7214_15ee;
+/// One path in so many looks for the images of suns, for all: they hardly vary, and take as long to find as
+/// several grains to cross.
+const PATHS_PER_SEARCH: f64 = 4.0;
 /// Least edge of a window, pixels.
 const LEAST_WINDOW: f64 = 1.0 / 64.0;
 
@@ -89,7 +92,10 @@ impl Seeker<'_> {
         let footprint = self.camera.pixel_footprint(self.camera.depth(grain.center));
         let edge = (grain.radius / footprint).clamp(LEAST_WINDOW, 1.0);
         let key = search_key(state.key);
-        let [x, y, _] = numbers(key, 2 * visit.event).map(f64::from);
+        let [x, y, chosen] = numbers(key, 2 * visit.event).map(f64::from);
+        if chosen * PATHS_PER_SEARCH >= 1.0 {
+            return;
+        }
         let window = Window::around(view.image, edge, [x, y]);
         for light in 0..self.search.lights.count() {
             if self.search.roles[light] != LightRole::Sun {
@@ -133,7 +139,12 @@ impl Seeker<'_> {
                 };
                 let ray = self.camera.ray(seen[0], seen[1], view.lens);
                 let density = self.camera.pixel_density(ray.direction);
-                let weight = connection.energy * connection.area * per_ray * density * trials
+                let weight = connection.energy
+                    * connection.area
+                    * per_ray
+                    * density
+                    * trials
+                    * PATHS_PER_SEARCH
                     / (edge * edge * sample.pdf);
                 let length = connection.length * grain.radius;
                 let mut ice_in_strata = [0.0; snowgrain_accel::STRATA];

@@ -38,7 +38,7 @@ impl Seeker<'_> {
         }
         let Some(way) = table.way(cosine, [which, place]) else { return };
         let normal = |angle| turned(last.direction, sample.direction, cosine, angle);
-        let gain = search.gains.gain(visit.from, order, cosine);
+        let gain = search.gains.gain(visit.from, order, [last.direction, sample.direction]);
         // The balance heuristic; nothing meets a point by chance.
         let rivals = if sample.is_point { 0.0 } else { density };
         let weight = gain * density / (chance * (sample.pdf + rivals));

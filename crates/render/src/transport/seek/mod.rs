@@ -9,7 +9,7 @@
 //!
 //! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
 //!   its visibility among the real grains (`first_grain`);
-//! - at the second, and at the first two after a diffuse surface, the sun is met by chance, but it is
+//! - at the second, and at the first two after a surface, the sun is met by chance, but it is
 //!   [`WIDENED_DEGREES`] wide, which moves an image of it by less than a tenth of a grain's radius and
 //!   leaves its light as it is.
 //!
@@ -29,6 +29,7 @@ pub(super) use surfaces::Bounce;
 use super::Contribution;
 use crate::camera::{Bundle, Camera};
 use crate::light::{LightRole, Lights};
+use crate::surface::Scatterer;
 use crate::world::World;
 use calibrate::{Gains, Tally};
 use shadow::{Origin, Wanted};
@@ -134,9 +135,11 @@ enum Vertex {
     /// At the camera.
     #[default]
     Camera,
-    /// On a diffuse surface in air: where, and its normal.
-    Surface(DVec3, DVec3),
-    /// On a diffuse surface within a grain.
+    /// On a diffuse or rough surface in air: where, and how it scatters.
+    Surface(DVec3, Scatterer),
+    /// On a smooth surface in air, where no light was looked for.
+    SmoothSurface,
+    /// On a surface within a grain.
     SurfaceInIce,
 }
 

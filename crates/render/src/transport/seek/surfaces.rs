@@ -1,19 +1,19 @@
-//! Light at a diffuse surface.
+//! Light at a surface.
 
 use super::shadow::{Brings, Wanted};
 use super::{PathState, Seeker, Trail, Vertex, product, scaled, search_key};
+use crate::surface::Scatterer;
 use crate::transport::Contribution;
-use core::f64::consts::PI;
 use snowgrain_accel::{Probe, STRATA, SurfaceId};
 use snowgrain_math::sampler::numbers;
 use snowgrain_math::{DVec3, Ray};
 
-/// A diffuse bounce.
+/// A bounce off a surface, or through it.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Bounce {
     pub(in super::super) lane: usize,
     pub(in super::super) position: DVec3,
-    pub(in super::super) normal: DVec3,
+    pub(in super::super) scatterer: Scatterer,
     pub(in super::super) surface: SurfaceId,
     pub(in super::super) in_ice: bool,
     /// Random event of the path.
@@ -24,8 +24,8 @@ pub(in super::super) struct Bounce {
 }
 
 impl Seeker<'_> {
-    /// Looks for light at a diffuse surface: `state` holds the throughput after its albedo. From within
-    /// a grain no straight line leads to a light, which is then met by chance.
+    /// Looks for light at a surface: `state` holds the throughput before it. From within a grain no
+    /// straight line leads to a light, and a smooth surface has none to it: light is then met by chance.
     pub(in super::super) fn at_surface(
         &mut self,
         bounce: &Bounce,
@@ -40,14 +40,18 @@ impl Seeker<'_> {
             trail.vertex = Vertex::SurfaceInIce;
             return;
         }
-        trail.vertex = Vertex::Surface(bounce.position, bounce.normal);
+        if bounce.scatterer.is_smooth() {
+            trail.vertex = Vertex::SmoothSurface;
+            return;
+        }
+        trail.vertex = Vertex::Surface(bounce.position, bounce.scatterer);
         if self.tally.is_some() {
             return;
         }
         let [light, u, v] = numbers(search_key(state.key), 2 * bounce.event).map(f64::from);
         let Some(sample) = self.search.late.sample(bounce.position, [light, u, v]) else { return };
-        let density = bounce.normal.dot(sample.direction) / PI;
-        if density <= 0.0 {
+        let (colour, value) = bounce.scatterer.value(sample.direction);
+        if value <= 0.0 {
             return;
         }
         let ray = Ray::new(bounce.position, sample.direction);
@@ -58,13 +62,13 @@ impl Seeker<'_> {
             return;
         }
         // The balance heuristic; nothing meets a point by chance.
-        let rivals = if sample.is_point { 0.0 } else { density };
+        let rivals = if sample.is_point { 0.0 } else { bounce.scatterer.density(sample.direction) };
         let contribution = Contribution {
             slot: sample.slot,
             glint: false,
             weight: scaled(
-                product(state.throughput, sample.radiance),
-                density / (sample.pdf + rivals),
+                product(product(state.throughput, colour), sample.radiance),
+                value / (sample.pdf + rivals),
             ),
             ice_length: bounce.ice_length,
             ice_in_strata: bounce.ice_in_strata,

@@ -1,0 +1,161 @@
+//! Light that is looked for against light that is met: suns, lamps, uniform light.
+//!
+//! `SNOWGRAIN_FULL=1` compares a sun of 5 degrees; the default a wider one, of which chance finds more.
+
+use crate::cubes::picture;
+use crate::{SIGMAS, samples};
+use snowgrain_film::{Film, PixelRect};
+use snowgrain_formats::scene::{Loader, SceneFile, resolve};
+use snowgrain_render::Scene;
+use snowgrain_render::measure::Estimate;
+
+/// Snow of a rule on a grey floor, seen from the side so that each pixel covers many grains.
+const SNOW: &str = r#"
+version = 1
+[film]
+width = 32
+height = 32
+[camera]
+from = [0.0, 0.14, 0.14]
+at = [0.0, 0.002, 0.0]
+vertical_fov = 12.0
+[ice]
+absorption = 0.0
+[[light]]
+kind = "sun"
+elevation = 40.0
+azimuth = 60.0
+[[object]]
+shape = "plane"
+albedo = 0.5
+[[snow]]
+source = "deposit"
+radius = "0.5 mm"
+depth = "5 mm"
+area = [-0.03, -0.03, 0.03, 0.03]
+"#;
+
+fn scene(text: &str, changes: &[&str]) -> Scene {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    let file = SceneFile::parse(text, "test.toml".as_ref(), &changes).unwrap();
+    let loader = Loader {
+        mesh: &mut |_| Err("no mesh".into()),
+        grains: &mut |_| Err("no grains".into()),
+        import: &mut |_| Err("no shot".into()),
+        environment: &mut |_| Err("no map".into()),
+        texture: &mut |_| Err("no texture".into()),
+    };
+    Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
+}
+
+fn film(scene: &Scene, samples: u64) -> Film {
+    let whole = PixelRect::new(0, 0, scene.film.width, scene.film.height);
+    picture(scene, 0..samples, whole).film
+}
+
+/// The mean of green over all pixels.
+fn mean(film: &Film) -> Estimate {
+    let count = film.pixels().len() as f64;
+    let sum = |value: &dyn Fn(usize) -> f64| (0..film.pixels().len()).map(value).sum::<f64>();
+    Estimate {
+        mean: sum(&|pixel| film.pixels()[pixel].mean_radiance()[1]) / count,
+        standard_error: sum(&|pixel| film.pixels()[pixel].variance_of_mean()[1]).sqrt() / count,
+    }
+}
+
+/// All light is 1 where nothing is lost: found by search and by chance together.
+#[test]
+fn uniform_light_that_is_looked_for_is_as_uniform_as_that_which_is_met() {
+    for rule in ["stick", "ray", "roll"] {
+        let rule_is = format!("snow.rule=\"{rule}\"");
+        let changes = [
+            rule_is.as_str(),
+            "light.0.kind=\"uniform\"",
+            "object.albedo=1.0",
+            "integrator.light=\"all-sampled\"",
+        ];
+        let text = SNOW.replace("elevation = 40.0\nazimuth = 60.0\n", "");
+        let found = mean(&film(&scene(&text, &changes), samples(512, 4096)));
+        println!("{rule}: {found:?}");
+        assert!(found.standard_error <= 1e-3, "{rule}: {found:?}");
+        let off = (found.mean - 1.0).abs();
+        assert!(off <= SIGMAS * found.standard_error, "{rule}: {found:?}");
+    }
+}
+
+/// On snow of each rule, under a high and a low sun: within 1 % or three standard errors of both.
+#[test]
+fn a_sun_that_is_looked_for_is_as_bright_as_one_that_is_met() {
+    let diameter = if crate::is_full() { 5.0 } else { 30.0 };
+    for rule in ["stick", "ray", "roll"] {
+        for elevation in [20.0, 50.0] {
+            let changes = [
+                format!("snow.rule=\"{rule}\""),
+                format!("light.elevation={elevation}"),
+                format!("light.angular_diameter={diameter}"),
+            ];
+            let by = |finding: &str, samples: u64| {
+                let mut changes: Vec<&str> = changes.iter().map(String::as_str).collect();
+                let finding = format!("integrator.light=\"{finding}\"");
+                changes.push(&finding);
+                mean(&film(&scene(SNOW, &changes), samples))
+            };
+            let exact = by("exact", samples(512, 1 << 17));
+            let sampled = by("sampled", samples(128, 1 << 13));
+            let [a, b] = [exact.standard_error, sampled.standard_error];
+            let error = (a * a + b * b).sqrt();
+            let off = sampled.mean - exact.mean;
+            println!(
+                "{rule}, {elevation} degrees high: {:+.2} % +- {:.2} %",
+                100.0 * off / exact.mean,
+                100.0 * error / exact.mean
+            );
+            let allowed = (0.01 * exact.mean).max(3.0 * error);
+            assert!(off.abs() <= allowed, "{rule}, {elevation}: {exact:?} {sampled:?}");
+        }
+    }
+}
+
+/// The images of the sun in a lone grain, which are solved, against those that are met: means of the whole
+/// picture, in which the grain fills a few pixels or a part of one.
+#[test]
+fn the_sun_in_a_lone_grain_is_solved_as_it_is_met() {
+    for height in ["0.0015", "0.006"] {
+        let text = SNOW
+            .replace("source = \"deposit\"\nradius = \"0.5 mm\"\ndepth = \"5 mm\"\narea = [-0.03, -0.03, 0.03, 0.03]", "source = \"lattice\"\nlattice = \"sc\"\nradius = \"0.5 mm\"\ncounts = [1, 1, 1]")
+            .replace("[[object]]\nshape = \"plane\"\nalbedo = 0.5\n", "")
+            .replace("width = 32\nheight = 32", "width = 12\nheight = 12")
+            .replace("at = [0.0, 0.002, 0.0]\nvertical_fov = 12.0", &format!("at = [0.0005, 0.0005, 0.0005]\nkind = \"orthographic\"\nheight = {height}"));
+        let by = |finding: &str, samples: u64| {
+            let finding = format!("integrator.light=\"{finding}\"");
+            let changes = [finding.as_str(), "light.angular_diameter=20.0"];
+            mean(&film(&scene(&text, &changes), samples))
+        };
+        let exact = by("exact", samples(1 << 15, 1 << 18));
+        let sampled = by("sampled", samples(1 << 9, 1 << 14));
+        let [a, b] = [exact.standard_error, sampled.standard_error];
+        let error = (a * a + b * b).sqrt();
+        println!("{height} m: {exact:?} {sampled:?}");
+        assert!((sampled.mean - exact.mean).abs() <= SIGMAS * error, "{exact:?} {sampled:?}");
+    }
+}
+
+/// What half a degree of sun gains: the variance of a sample against that of chance, which finds a disc of
+/// radiance L with a mean of m once in L/m samples.
+#[test]
+fn a_sun_that_is_looked_for_has_a_ten_thousandth_of_the_variance() {
+    let scene = scene(SNOW, &["snow.rule=\"stick\""]);
+    let count = samples(64, 1024);
+    let film = film(&scene, count);
+    let found = mean(&film);
+    let pixels = film.pixels().len() as f64;
+    let variance = found.standard_error * found.standard_error * count as f64 * pixels;
+    let sun = f64::from(scene.lights.radiance_at_infinity(0, sun_direction())[1]);
+    let by_chance = (sun - found.mean) * found.mean;
+    println!("{:.0} times less variance, mean {}", by_chance / variance, found.mean);
+    assert!(by_chance / variance > 1e4, "{by_chance} {variance}");
+}
+
+fn sun_direction() -> snowgrain_math::DVec3 {
+    snowgrain_render::light::direction_of(40.0, 60.0)
+}
