@@ -34,7 +34,7 @@ fn changed(changes: &[&str]) -> Scene {
         grains: &mut |_| Err("no grains".into()),
         import: &mut |_| Err("no shots".into()),
         environment: &mut |_| Err("no maps".into()),
-        texture: &mut |_| Err("nor to a picture".into()),
+        texture: &mut |_| Err("no pictures".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }

@@ -102,7 +102,8 @@ fn a_sun_that_is_looked_for_is_as_bright_as_one_that_is_met() {
             };
             let exact = by("exact", samples(512, 1 << 17));
             let sampled = by("sampled", samples(128, 1 << 13));
-            let error = exact.standard_error.hypot(sampled.standard_error);
+            let [a, b] = [exact.standard_error, sampled.standard_error];
+            let error = (a * a + b * b).sqrt();
             let off = sampled.mean - exact.mean;
             println!(
                 "{rule}, {elevation} degrees high: {:+.2} % +- {:.2} %",
@@ -132,7 +133,8 @@ fn the_sun_in_a_lone_grain_is_solved_as_it_is_met() {
         };
         let exact = by("exact", samples(1 << 15, 1 << 18));
         let sampled = by("sampled", samples(1 << 9, 1 << 14));
-        let error = exact.standard_error.hypot(sampled.standard_error);
+        let [a, b] = [exact.standard_error, sampled.standard_error];
+        let error = (a * a + b * b).sqrt();
         println!("{height} m: {exact:?} {sampled:?}");
         assert!((sampled.mean - exact.mean).abs() <= SIGMAS * error, "{exact:?} {sampled:?}");
     }
@@ -147,7 +149,7 @@ fn a_sun_that_is_looked_for_has_a_ten_thousandth_of_the_variance() {
     let film = film(&scene, count);
     let found = mean(&film);
     let pixels = film.pixels().len() as f64;
-    let variance = found.standard_error.powi(2) * count as f64 * pixels;
+    let variance = found.standard_error * found.standard_error * count as f64 * pixels;
     let sun = f64::from(scene.lights.radiance_at_infinity(0, sun_direction())[1]);
     let by_chance = (sun - found.mean) * found.mean;
     println!("{:.0} times less variance, mean {}", by_chance / variance, found.mean);

@@ -1,7 +1,7 @@
 //! Ways of light through a sphere from one given direction into another.
 //!
 //! [`ScatterTable`] knows them for light whose place on the disc of the sphere is not known (a path
-//! among grains, after the first few); `connect` for light from one given point or direction.
+//! among grains, after the first few); [`Connector`] for light from one given point or direction.
 
 mod connect;
 

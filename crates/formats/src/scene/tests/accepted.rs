@@ -11,8 +11,8 @@ use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Metal, Primaries,
 };
 use snowgrain_render::description::{
-    Focus, IceDescription, Lens, LightDescription, LightKind, ObjectShape, Projection, Sampler,
-    SceneDescription, SnowDescription, Surface,
+    Focus, IceDescription, Lens, LightDescription, LightFinding, LightKind, ObjectShape,
+    Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
 use snowgrain_render::surface::Reflectance;
 use std::path::Path;
@@ -380,7 +380,10 @@ fn objects_are_of_metal_glass_or_pictures() {
 
 #[test]
 fn a_furnace_has_white_walls_and_one_uniform_light() {
-    let scene = furnace(builtin("snowy-teapot"));
+    let mut scene = builtin("snowy-teapot");
+    scene.light_finding = LightFinding::AllSampled;
+    let scene = furnace(scene);
+    assert_eq!(scene.light_finding, LightFinding::Exact);
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0; 3])]);
     assert_eq!(scene.objects[0].surface, Surface::diffuse([1.0; 3]));
     assert_eq!(scene.camera.backdrop, [1.0; 3]);
