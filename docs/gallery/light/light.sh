@@ -24,7 +24,7 @@ render map-garden.toml --size 360x270 --spp 48 -o map.png
 render lantern.toml --size 320x240 --spp 96 -o lantern.png -o lantern.film
 "$snowgrain" develop lantern.film --exposure auto --roll-off 0.7 --glare eye -o lantern-glare.png
 python3 "$here/make-bench.py" bench.glb
-render bench.toml --spp 40 -o bench.png
+render bench.toml --spp 32 -o bench.png
 render low-sun-garden.toml --size 320x240 --spp 80 --white-balance sunlit --set camera.from='[0.06, 0.075, 0.20]' \
     --set camera.at='[0.015, 0.03, 0.11]' --set camera.vertical_fov=20 --set camera.aperture=4mm \
     --set camera.focus=surface -o close.png

@@ -71,7 +71,7 @@ lamp = mesh("lamp", *turned([(0, 0), (0.016, 0), (0.014, 0.008), (0.005, 0.016),
 fir = mesh("fir", *turned([(0, 0), (0.008, 0), (0.008, 0.03), (0.062, 0.034), (0.024, 0.09),
                            (0.048, 0.093), (0.016, 0.145), (0.033, 0.148), (0, 0.205)]), 2)
 lawn = mesh("lawn", *block((0.34, 0.004, 0.27)), 3)
-wall = mesh("wall", *block((0.36, 0.15, 0.008)), 4)
+wall = mesh("wall", *block((0.55, 0.15, 0.008)), 4)
 for row in range(3):
     node(plank, "seat", [0, 0.0425, 0.018 * (row - 1)])
 for row in range(2):
@@ -84,7 +84,7 @@ node(lamp, "lamp", [0.145, 0, -0.02])
 node(fir, "fir", [-0.155, 0, -0.05])
 node(fir, "small fir", [-0.19, 0, 0.045], scale=[0.62, 0.55, 0.62])
 node(lawn, "lawn", [0, -0.004, 0])
-node(wall, "wall", [0, 0.14, -0.26])
+node(wall, "wall", [-0.1, 0.14, -0.26])
 
 
 def look_at(eye, at):

@@ -26,7 +26,8 @@ const INTRODUCTION: &str = "Written by `cargo xtask look`: what makes snow look 
 (EXR) and by the laboratory, beside a Lambertian surface of the same shape where that has a figure of its own. \
 Scenes are in `docs/look/`, from where the commands run; packs of grains (`.ply`) are written by the task before. \
 What is expected comes from section 7 of the project's physics: figures of close pictures of snow, of theory, and of \
-an earlier tracer of the same spheres. Lines that are told but not judged say why. Nothing was tuned to pass.
+an earlier tracer of the same spheres. Where that holds for other light or other snow than was measured, \
+the section says so and what is compared instead; lines that are told but not judged fail nothing.
 
 What this shows: pictures of real-size grains have the contrast, bleeding, translucency and shade of snow made of \
 spheres, and a Lambertian surface has not. What it does not show: that snow is spheres; natural snow sends less \
