@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// The scenes: a lattice, a mesh buried in overlapping grains with absorption, and layers of many
-/// sizes on round and flat objects.
+/// The scenes: a lattice, a mesh buried in overlapping grains with absorption, layers of many sizes on
+/// round and flat objects, and snow in sun and lamps that are looked for.
 const SCENES: [&str; 4] = ["lattice", "buried", "layers", "sunlit"];
 
 fn data(name: &str) -> PathBuf {
