@@ -208,7 +208,9 @@ mod tests {
             let mesh = teapot(n);
             let checked =
                 TriangleMesh::new(mesh.positions.clone(), mesh.triangles.clone()).unwrap();
-            assert_eq!(checked, mesh);
+            let checked_count = checked.triangles.len();
+            assert_eq!((checked.positions, checked.triangles), (mesh.positions, mesh.triangles));
+            assert_eq!(mesh.coordinates.len(), checked_count);
         }
     }
 }
