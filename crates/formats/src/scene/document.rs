@@ -418,8 +418,8 @@ pub struct IntegratorTable {
     /// "grains" (every grain is met); default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
-    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, on average
-    /// within 1 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
+    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, within 1 to
+    /// 2 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
     /// sampled); default "auto".
     pub light: LightFindingName,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
