@@ -25,9 +25,8 @@ const FRACTION_BITS: i32 = 64;
 /// Bytes of a layer's sums of one pixel.
 pub(crate) const LAYER_BYTES: u64 = 48;
 
-/// What the layers of a sample may be off the sample's radiance, relative to their magnitudes: beside the image of
-/// a sun in a mirror, a hundred thousand small amounts of light of another layer may be lost to rounding.
-const TOLERANCE: f64 = 1e-2;
+/// What the layers of a sample may be off the sample's radiance, relative to their magnitudes.
+const TOLERANCE: f64 = 1e-5;
 
 /// Exact sums of red, green and blue radiance of one layer and pixel, in quanta of 2^-64.
 pub type LayerSums = [i128; 3];
