@@ -274,14 +274,18 @@ mod tests {
         assert_eq!(sums, before);
     }
 
-    /// A bright light first, then many small ones of another layer, of which single precision takes nothing.
+    /// A bright light and many small ones of another layer, summed in double precision as the renderer does;
+    /// in single precision the whole would have lost the small ones, and is refused.
     #[test]
-    fn small_light_beside_bright_light_is_not_refused() {
+    fn small_light_beside_bright_light_is_not_lost() {
         let (bright, small) = (100.0f32, 3e-6f32);
-        let radiance = (0..50_000).fold(bright, |sum, _| sum + small);
-        let layer = (0..50_000).fold(0.0f32, |sum, _| sum + small);
+        let many = (0..50_000).fold(0.0, |sum, _| sum + f64::from(small));
+        let layers = [[bright; 3], [many as f32; 3]];
+        let whole = (f64::from(bright) + many) as f32;
         let mut sums = [[0; 3]; 2];
-        assert_eq!(add(&mut sums, [radiance; 3], &[[bright; 3], [layer; 3]]), Ok(()));
+        assert_eq!(add(&mut sums, [whole; 3], &layers), Ok(()));
+        let lossy = (0..50_000).fold(bright, |sum, _| sum + small);
+        assert_eq!(add(&mut sums, [lossy; 3], &layers), Err(Refused::NotTheWhole));
         let tiny = 3e-20f32;
         assert_eq!(add(&mut sums, [2.0 * tiny; 3], &[[tiny; 3]; 2]), Ok(()));
     }
