@@ -61,6 +61,14 @@ pub enum GeometryError {
         /// Index of the triangle, from 0.
         triangle: usize,
     },
+    /// A number of a shape is out of range.
+    #[error("{key}: {reason}")]
+    BadShape {
+        /// Name of the number, as in a scene file.
+        key: &'static str,
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
     /// There is no triangle with an area.
     #[error("the mesh has no triangle with an area")]
     EmptyMesh,
