@@ -62,6 +62,13 @@ impl GrainShape {
         (fits && components_fit).then_some(Self(bits))
     }
 
+    /// The word in the lower [`Self::BITS`] of `bits`, which [`Self::to_bits`] gave.
+    #[inline(always)]
+    #[must_use]
+    pub fn from_low_bits(bits: u64) -> Self {
+        Self(bits & ((1 << Self::BITS) - 1))
+    }
+
     /// All of it in [`Self::BITS`] bits.
     #[inline(always)]
     #[must_use]
