@@ -16,6 +16,7 @@ mod visit;
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
 pub use blocks::{Probe, ProbeAnswer, Probes};
+pub use shapes::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 pub use visit::{ArrivalFrom, GrainVisit};
 
 use blocks::BlockFlight;

@@ -153,7 +153,7 @@ pub(super) fn bounding(
 }
 
 /// From a prototype's space to the grid's, of one grain.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Placement {
     pub(crate) rotation: DMat3,
     pub(crate) radius: f64,

@@ -132,7 +132,7 @@ fn random_polyhedron(count: u32, seed: u64) -> Result<Vec<Face>, GeometryError> 
             normals.into_iter().map(|normal| Face { normal, distance: 1.0 }).collect();
         let body = ConvexBody { faces, ellipsoid: None };
         if body.bounding_radius(FAR) < MOST_REACH {
-            return centred(body);
+            return Ok(centred(body)?.faces);
         }
     }
     let reason = format!("no body of {count} faces is closed by them; use more faces");
@@ -146,11 +146,20 @@ fn on_sphere([u, v, _]: [f32; 3]) -> DVec3 {
     DVec3::new(ring * cos, y, ring * sin).normalize()
 }
 
-/// The faces with the centre of mass at the origin.
-fn centred(body: ConvexBody) -> Result<Vec<Face>, GeometryError> {
-    let measure = body.measure(2.0 * MOST_REACH);
+/// The body with its centre of mass at the origin, which must lie inside.
+///
+/// # Errors
+/// A body that is not closed.
+pub(super) fn centred(body: ConvexBody) -> Result<ConvexBody, GeometryError> {
+    let reach = body.bounding_radius(FAR);
+    let inside = body.faces.iter().all(|face| face.distance > 0.0);
+    if body.faces.len() < 4 || !inside || reach.is_nan() || reach > 0.5 * FAR {
+        let reason = "its faces do not close a body around the origin".into();
+        return Err(GeometryError::BadShape { key: "faces", reason });
+    }
+    let measure = body.measure(2.0 * reach);
     let center = measure.moment / measure.volume;
-    Ok(body.placed(DMat3::IDENTITY, 1.0, -center).faces)
+    Ok(body.placed(DMat3::IDENTITY, 1.0, -center))
 }
 
 /// Columns from the origin, as evenly in all directions as few points on a sphere can be.

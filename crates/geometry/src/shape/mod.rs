@@ -10,6 +10,7 @@
 
 mod build;
 mod convex;
+mod hull;
 mod measure;
 mod orientation;
 
@@ -90,6 +91,30 @@ impl Shape {
         Ok(build::normalised(kind.name(), parts))
     }
 
+    /// The prototype of this name, the same to the last bit.
+    ///
+    /// # Errors
+    /// [`GeometryError::BadShape`] for a name that no prototype has.
+    pub fn of_name(name: &str) -> Result<Self, GeometryError> {
+        let words: Vec<&str> = name.split_whitespace().collect();
+        if let Some(kind) = ShapeKind::parse(&words) {
+            return Self::new(kind);
+        }
+        let unknown = || {
+            let reason = format!("\"{name}\" is no shape that this version knows");
+            GeometryError::BadShape { key: "shape", reason }
+        };
+        let ["polyhedron", numbers @ ..] = words.as_slice() else { return Err(unknown()) };
+        let numbers: Result<Vec<f64>, _> = numbers.iter().map(|word| word.parse()).collect();
+        let numbers = numbers.map_err(|_| unknown())?;
+        let (faces, rest) = numbers.as_chunks::<4>();
+        if !rest.is_empty() || numbers.iter().any(|x| !x.is_finite()) {
+            return Err(unknown());
+        }
+        let face = |&[x, y, z, distance]: &[f64; 4]| Face { normal: DVec3::new(x, y, z), distance };
+        Self::of_faces(faces.iter().map(face).collect())
+    }
+
     /// What the kind and its numbers are called; the same for equal prototypes only.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -100,6 +125,12 @@ impl Shape {
     #[must_use]
     pub fn parts(&self) -> &[ConvexBody] {
         &self.parts
+    }
+
+    /// Whether it is the sphere.
+    #[must_use]
+    pub fn is_sphere(&self) -> bool {
+        self.name == "sphere"
     }
 
     /// Area of the surface of the union, to 1e-4, or 5e-3 where parts overlap.

@@ -76,6 +76,21 @@ impl GrainShape {
         self.0
     }
 
+    /// The orientation alone, 44 bits.
+    #[must_use]
+    pub fn orientation_bits(self) -> u64 {
+        self.0 & ((1 << PROTOTYPE_SHIFT) - 1)
+    }
+
+    /// A prototype in the orientation that [`Self::orientation_bits`] gave; `None` if these are no such bits.
+    #[must_use]
+    pub fn of_orientation(prototype: usize, bits: u64) -> Option<Self> {
+        if bits >> PROTOTYPE_SHIFT != 0 || prototype >= Self::MOST_PROTOTYPES {
+            return None;
+        }
+        Self::from_bits(bits | (prototype as u64) << PROTOTYPE_SHIFT)
+    }
+
     /// Index of the prototype.
     #[inline(always)]
     #[must_use]

@@ -1,4 +1,5 @@
 use super::*;
+use crate::TriangleMesh;
 use core::f64::consts::PI;
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, trig};
@@ -130,7 +131,8 @@ fn names_tell_all_and_numbers_out_of_range_are_refused() {
         let name = kind.name();
         assert_eq!(ShapeKind::parse(&name.split(' ').collect::<Vec<_>>()), Some(kind));
     }
-    assert_eq!(ShapeKind::parse(&["dodecahedron"]), None);
+    assert!(Shape::of_name("dodecahedron").is_err());
+    assert!(Shape::of_name("polyhedron 1 0 0 1").is_err());
     for kind in [
         ShapeKind::Spheroid { aspect: 0.0 },
         ShapeKind::Spheroid { aspect: f64::NAN },
@@ -157,4 +159,44 @@ fn a_rosette_has_the_volume_of_the_union_of_its_arms() {
     let box_volume = 8.0 * size * size * size;
     let sigma = (part * (1.0 - part) / f64::from(points)).sqrt() * box_volume;
     assert!((part * box_volume - Shape::VOLUME).abs() < 4.0 * sigma + 0.002);
+}
+
+/// The mesh of the box with these half-edges around a point, its triangles facing outwards.
+fn box_mesh(half: DVec3, center: DVec3) -> TriangleMesh {
+    let corner = |i: u32| {
+        let sign = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        center + half * DVec3::new(sign(0), sign(1), sign(2))
+    };
+    let quads =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    TriangleMesh::new((0..8).map(corner).collect(), triangles).unwrap()
+}
+
+#[test]
+fn a_convex_mesh_is_the_body_that_it_encloses_whatever_its_size_and_place() {
+    let mesh = box_mesh(DVec3::new(0.002, 0.001, 0.003), DVec3::new(0.1, 3.0, 0.0));
+    let shape = Shape::of_convex_mesh(&mesh).unwrap();
+    assert_eq!(shape.parts()[0].faces.len(), 6);
+    let scale = trig::cbrt(Shape::VOLUME / 48.0);
+    let surface = 8.0 * (2.0 + 3.0 + 6.0) * scale * scale;
+    assert!((shape.surface_area() / surface - 1.0).abs() < 1e-9);
+    assert!((shape.bounding_radius() / (14.0f64.sqrt() * scale) - 1.0).abs() < 1e-9);
+    assert!(shape.contains(DVec3::new(0.0, 0.0, 2.9) * scale));
+    assert_eq!(Shape::of_name(shape.name()).unwrap(), shape);
+}
+
+#[test]
+fn meshes_that_are_open_hollow_or_inside_out_are_refused() {
+    let good = box_mesh(DVec3::ONE, DVec3::ZERO);
+    let with = |positions: Vec<DVec3>, triangles: Vec<[u32; 3]>| {
+        Shape::of_convex_mesh(&TriangleMesh::new(positions, triangles).unwrap()).unwrap_err()
+    };
+    let open = with(good.positions.clone(), good.triangles[1..].to_vec());
+    assert_eq!(open, GeometryError::OpenMesh { edges: 3 });
+    let inwards = good.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    assert_eq!(with(good.positions.clone(), inwards), GeometryError::NotConvex);
+    let mut dented = good.positions.clone();
+    dented[0] = DVec3::splat(0.3);
+    assert_eq!(with(dented, good.triangles), GeometryError::NotConvex);
 }

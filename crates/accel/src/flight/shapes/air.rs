@@ -122,6 +122,7 @@ impl ShapeFlight<'_> {
         let flags = self.grid.blocks()[number].radius[slot];
         let inside = Inside {
             body: BodyPart { center, word, part },
+            placement,
             leave: 0.0,
             through: entered(&parts[usize::from(part)], &ray, enter),
             meets_surface: flags & MEETS_SURFACE != 0,

@@ -43,11 +43,7 @@ impl Heights {
     /// Where each plane is crossed.
     #[inline(always)]
     fn crossings(&self) -> [f64; 8] {
-        let mut at = [0.0; 8];
-        for i in 0..8 {
-            at[i] = -self.above[i] / self.slope[i];
-        }
-        at
+        std::array::from_fn(|i| -self.above[i] / self.slope[i])
     }
 }
 
@@ -111,8 +107,8 @@ pub(super) fn entered(part: &Part, ray: &LocalRay, enter: f64) -> u16 {
     for (octet, planes) in part.planes.iter().enumerate() {
         let heights = Heights::of(planes, ray);
         let at = heights.crossings();
-        for i in 0..8 {
-            if heights.slope[i] < 0.0 && at[i] == enter {
+        for (i, at) in at.into_iter().enumerate() {
+            if heights.slope[i] < 0.0 && at == enter {
                 return (8 * octet + i) as u16;
             }
         }
@@ -127,10 +123,10 @@ pub(super) fn left(part: &Part, ray: &LocalRay, on: u16) -> (f64, u16) {
     for (octet, planes) in part.planes.iter().enumerate() {
         let heights = Heights::of(planes, ray);
         let at = heights.crossings();
-        for i in 0..8 {
+        for (i, at) in at.into_iter().enumerate() {
             let number = (8 * octet + i) as u16;
-            if heights.slope[i] > 0.0 && at[i] < best.0 && number != on {
-                best = (at[i], number);
+            if heights.slope[i] > 0.0 && at < best.0 && number != on {
+                best = (at, number);
             }
         }
     }

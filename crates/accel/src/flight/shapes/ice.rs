@@ -18,8 +18,7 @@ impl ShapeFlight<'_> {
         loop {
             let (grid, shapes) = (self.grid, self.shapes);
             let lane = &mut self.lanes[index];
-            let body = lane.inside.body;
-            let placement = Placement::of(ShapeWord::of_slot(body.word));
+            let Inside { body, placement, .. } = lane.inside;
             let part = &shapes.of(&placement).parts[usize::from(body.part)];
             let ray = lane.ray_to(body.center, &placement);
             let (leave, through) = left(part, &ray, on);
@@ -95,6 +94,7 @@ impl ShapeFlight<'_> {
                         let flags = block.radius[slot];
                         best = Some(Inside {
                             body,
+                            placement,
                             leave,
                             through: left(part, &ray, super::body::NOWHERE).1,
                             meets_surface: flags & MEETS_SURFACE != 0,

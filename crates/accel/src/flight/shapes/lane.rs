@@ -5,7 +5,7 @@
 //! whichever cell asks.
 
 use super::body::{ELLIPSOID, LocalRay, NOWHERE};
-use crate::grain_grid::{CellEntry, GridShapes, Placement, ShapeWord};
+use crate::grain_grid::{CellEntry, GridShapes, Placement};
 use crate::{GrainGrid, STRATA, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
@@ -35,6 +35,8 @@ pub(super) struct BodyPart {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inside {
     pub(super) body: BodyPart,
+    /// How its grain lies.
+    pub(super) placement: Placement,
     /// Where on the stretch the path leaves it, and through which part of its surface.
     pub(super) leave: f64,
     pub(super) through: u16,
@@ -48,6 +50,7 @@ impl Default for Inside {
     fn default() -> Self {
         Self {
             body: BodyPart { center: DVec3::ZERO, word: 0, part: 0 },
+            placement: Placement::default(),
             leave: 0.0,
             through: NOWHERE,
             meets_surface: false,
@@ -162,8 +165,7 @@ impl Lane {
 
     /// The outward unit normal at the end of the chord.
     pub(super) fn outward(&self, shapes: &GridShapes) -> DVec3 {
-        let Inside { body, leave, through, .. } = self.inside;
-        let placement = Placement::of(ShapeWord::of_slot(body.word));
+        let Inside { body, placement, leave, through, .. } = self.inside;
         let part = &shapes.of(&placement).parts[usize::from(body.part)];
         let ray = self.ray_to(body.center, &placement);
         let end = ray.origin + ray.direction * (leave / placement.radius);

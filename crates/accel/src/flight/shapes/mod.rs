@@ -8,10 +8,13 @@
 
 mod air;
 mod body;
+mod chain;
 mod ice;
 mod interface;
 mod lane;
 mod near;
+
+pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 
 use super::{FirstGrain, FlightEvent, LANES, Travelled};
 use crate::grain_grid::{GridPosition, GridShapes, Storage};
