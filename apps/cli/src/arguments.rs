@@ -32,7 +32,7 @@ pub(crate) use measure::{
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
     OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,
-    SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
+    ShapeName, SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use series::Series;

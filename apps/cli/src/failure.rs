@@ -119,6 +119,7 @@ impl From<RenderError> for Failure {
                 exit::REFUSED
             }
             RenderError::CameraInIce { .. }
+            | RenderError::ShapesSearched
             | RenderError::MapSize { .. }
             | RenderError::MapPixels { .. }
             | RenderError::MapValue { .. }

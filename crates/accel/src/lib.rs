@@ -15,7 +15,9 @@ pub mod surfaces;
 mod words;
 
 pub use flight::{ArrivalFrom, Flight, FlightEvent, GrainVisit, Probe, ProbeAnswer, Probes};
-pub use grain_grid::{GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing};
+pub use grain_grid::{
+    GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing, ShapedGrains,
+};
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,
     RegionLayout, StackRegion,

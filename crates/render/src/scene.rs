@@ -1,10 +1,10 @@
 //! A scene that light can travel through.
 
+use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene};
-use crate::strata::KnownGrains;
 use crate::surface::Material;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
@@ -114,6 +114,9 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
+        if description.has_shapes() && description.light_finding != LightFinding::Exact {
+            return Err(RenderError::ShapesSearched);
+        }
         let slots = slots_of(&description.lights, description.camera.backdrop);
         let light_layers = light_layers(description, &slots)?;
         let is_glints = |name: &String| name == GLINTS;
@@ -256,7 +259,7 @@ pub fn deposit_at(
     stage(BuildStage::Surfaces);
     let surfaces = surfaces_of(description);
     let mut report = BuildReport::default();
-    let mut known = KnownGrains::default();
+    let mut known = KnownGrains::of_shapes(description);
     let field = fall(description, (&surfaces, level), &mut known, &mut report, stage)?;
     Ok((field, report.snowfalls))
 }
@@ -297,6 +300,7 @@ fn build_grid(
     let has_lamps = lit.shapes.len() > description.objects.len();
     if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
         && description.strata.loads.is_empty()
+        && !description.has_shapes()
     {
         let quantisation = quantisation_of(description, &objects);
         let with_lamps = has_lamps.then(|| Surfaces::new(&lit.shapes).with_level(level));
@@ -309,7 +313,7 @@ fn build_grid(
             return Ok((grid, with_lamps.unwrap_or(objects), digest));
         }
     }
-    let mut known = KnownGrains::new(description.strata.clone());
+    let mut known = KnownGrains::of_scene(description);
     let field = fall(description, (&objects, level), &mut known, report, stage)?;
     stage(BuildStage::Packing);
     // Snow falls through lamps.
@@ -321,7 +325,7 @@ fn build_grid(
     };
     let quantisation = field.quantisation;
     let packing = description.packing.unwrap_or_default();
-    let grid = field.pack_in_strata(&surfaces, packing, &known.of_field(&field))?;
+    let grid = field.pack_in_strata(&surfaces, packing, &known.strata(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
     Ok((grid, surfaces, digest))
 }
@@ -360,7 +364,7 @@ fn implicit_lattice(
 fn fall(
     description: &SceneDescription,
     (surfaces, level): (&Surfaces, SimdLevel),
-    known: &mut KnownGrains,
+    known: &mut KnownGrains<'_>,
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<GrainField, RenderError> {
@@ -380,7 +384,7 @@ fn fall(
         report.snowfalls.push(result.map_err(|source| RenderError::Snow { index, source })?);
         known.learn(index, &snowfall);
     }
-    Ok(snowfall.into_field())
+    known.shaped(snowfall.into_field())
 }
 
 /// Least mean radius, in quanta, of grains that share a scene with larger ones.
@@ -412,7 +416,7 @@ fn check_sizes(
 }
 
 /// One lattice of quanta for all snow of a scene: that of a grain file where it holds all other
-/// grains too (so that the file comes back bit for bit), else made for the largest radius around
+/// grains too (so that the file comes back bit for bit), else made for the longest reach of a grain around
 /// the whole metre nearest to the middle of the scene.
 fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quantisation {
     let mut largest: f64 = 0.0;
@@ -420,23 +424,26 @@ fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quant
     let mut from_file: Option<Quantisation> = None;
     // Lattices start at the origin of the quanta, which must then be that of the scene.
     let mut at_origin = false;
-    for snow in &description.snow {
+    for (body, snow) in description.snow.iter().enumerate() {
+        let reach = description.reach_of(body);
         match snow {
             SnowDescription::Deposit(settings) => {
-                largest = largest.max(settings.radii.largest());
+                largest = largest.max(settings.radii.largest() * reach);
                 if let Some([x0, z0, x1, z1]) = settings.area {
                     bounds =
                         bounds.union(&Aabb::new(DVec3::new(x0, 0.0, z0), DVec3::new(x1, 0.0, z1)));
                 }
             }
             SnowDescription::Lattice(settings) => {
-                largest = largest.max(settings.radius);
+                largest = largest.max(settings.radius * reach);
                 at_origin = true;
             }
             SnowDescription::Grains(field) => {
+                let mixed = description.shapes_of(body).is_some();
                 let radius =
                     f64::from(field.largest_radius_quanta()) * field.quantisation.quantum();
-                largest = largest.max(radius);
+                let farthest = if mixed { radius * reach } else { field.largest_reach() };
+                largest = largest.max(farthest);
                 bounds = bounds.union(&field.bounds());
                 if from_file.is_none_or(|q| q.quantum() < field.quantisation.quantum()) {
                     from_file = Some(field.quantisation);

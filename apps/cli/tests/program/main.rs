@@ -11,6 +11,7 @@ mod light_in_snow;
 mod measures;
 mod noise;
 mod pictures;
+mod shapes;
 #[cfg(unix)]
 mod signals;
 mod surfaces;

@@ -6,10 +6,12 @@
 mod camera;
 mod light;
 mod material;
+mod shapes;
 
 pub use camera::{CameraKind, CameraTable, ImportTable};
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
+pub use shapes::{OrientationName, ShapeName, ShapeTable};
 
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
@@ -304,6 +306,10 @@ pub struct SnowTable {
     /// lattice, file.
     #[serde(default)]
     pub impurities: BTreeMap<String, LoadText>,
+    /// Shapes of the grains, [[snow.shapes]], of which each grain has one at random; default spheres, or what
+    /// the file says; deposit, lattice, file.
+    #[serde(default)]
+    pub shapes: Vec<ShapeTable>,
     /// Half-width of the uniform distribution of radii: a length, 0 to `radius`; default 0; deposit.
     #[serde(default)]
     pub variation: Option<Length>,
@@ -352,7 +358,7 @@ pub struct SnowTable {
     /// (this or `density`).
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Grain file (.ply with x, y, z, radius), relative to the scene file; file.
+    /// Grain file (.ply with x, y, z, radius, or one that `deposit` wrote), relative to the scene file; file.
     #[serde(default)]
     pub file: Option<String>,
 }
@@ -420,7 +426,7 @@ pub struct IntegratorTable {
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
     /// (suns, lamps and maps are looked for at every grain and surface: far less noise, within 1 to
     /// 2 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
-    /// sampled); default "auto".
+    /// sampled, but for grains of other shapes than spheres, where it is exact); default "auto".
     pub light: LightFindingName,
     /// Paths by which is measured, before the picture, what light that is looked for differs by from light
     /// that is met: an error of 300 % over its square root is left in the light of a sun. Default

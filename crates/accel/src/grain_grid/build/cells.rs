@@ -5,7 +5,7 @@ use super::batches::{HeldBrick, ReachingGrain};
 use super::overlap::{ListedGrains, mark_overlapping};
 use crate::grain_grid::block::{MEETS_SURFACE, OVERLAPS};
 use crate::grain_grid::packed_cells::{BRICK, CELLS_PER_BRICK};
-use crate::grain_grid::{Block, CellEntry, GRAINS_PER_BLOCK};
+use crate::grain_grid::{Block, BlockShapes, CellEntry, GRAINS_PER_BLOCK};
 use crate::strata::BlockStrata;
 use fearless_simd::{Level, dispatch};
 use snowgrain_math::{Aabb, DVec3};
@@ -179,8 +179,8 @@ impl Packer<'_> {
         &self,
         brick: &HeldBrick,
         grains: &[ReachingGrain],
-        entries: &[CellEntry],
-        (blocks, strata, first): (&mut [Block], &mut [BlockStrata], usize),
+        (entries, first): (&[CellEntry], usize),
+        (blocks, strata, shapes): (&mut [Block], &mut [BlockStrata], &mut [BlockShapes]),
     ) {
         let cells = self.layout.cells_in_brick(self.layout.brick(brick.number as usize));
         let mut counts = [0u8; CELLS_PER_BRICK];
@@ -198,6 +198,9 @@ impl Packer<'_> {
                 blocks[at].set(slot % GRAINS_PER_BLOCK, local, grain.radius | flags);
                 if let Some(strata) = strata.get_mut(at) {
                     strata[slot % GRAINS_PER_BLOCK] = known >> STRATUM_SHIFT;
+                }
+                if let Some(shapes) = shapes.get_mut(at) {
+                    shapes[slot % GRAINS_PER_BLOCK] = self.words[grain.grain as usize];
                 }
             });
         }
