@@ -119,7 +119,6 @@ impl From<RenderError> for Failure {
                 exit::REFUSED
             }
             RenderError::CameraInIce { .. }
-            | RenderError::ShapesSearched
             | RenderError::MapSize { .. }
             | RenderError::MapPixels { .. }
             | RenderError::MapValue { .. }

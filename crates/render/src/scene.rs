@@ -10,7 +10,7 @@ use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
-use snowgrain_geometry::{Quantisation, teapot::teapot};
+use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
@@ -114,9 +114,6 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
-        if description.has_shapes() && description.light_finding != LightFinding::Exact {
-            return Err(RenderError::ShapesSearched);
-        }
         let slots = slots_of(&description.lights, description.camera.backdrop);
         let light_layers = light_layers(description, &slots)?;
         let is_glints = |name: &String| name == GLINTS;
@@ -127,7 +124,7 @@ impl Scene {
         let bounds = objects.bounds();
         let lit = LitSurfaces::new(shapes_of(description), &description.lights);
         let mut report = BuildReport::default();
-        let (grid, surfaces, digest) =
+        let Packed { grid, surfaces, digest, prototypes } =
             build_grid(description, (objects, &lit, level), &mut report, stage)?;
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
@@ -152,7 +149,8 @@ impl Scene {
             LightFinding::Sampled(settings) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
-                let search = LightSearch::new(&lights, world.eta, settings.sought);
+                let search =
+                    LightSearch::new(&lights, world.eta, settings.sought).among(&prototypes, level);
                 let paths = (size, settings.calibration_paths);
                 Some(search.calibrated((&world, &camera), paths, film.seed, level))
             }
@@ -289,14 +287,22 @@ fn shapes_of(description: &SceneDescription) -> Vec<(SurfaceShape, DAffine3)> {
         .collect()
 }
 
-/// One lattice alone needs no memory; everything else is packed grain by grain. Gives the surfaces that
-/// light meets, too.
+/// Grains that are packed for light, and what else light meets.
+struct Packed {
+    grid: GrainGrid,
+    surfaces: Surfaces,
+    digest: GrainDigest,
+    /// Of the shapes of grains, where these have any.
+    prototypes: Arc<[Shape]>,
+}
+
+/// One lattice alone needs no memory; everything else is packed grain by grain.
 fn build_grid(
     description: &SceneDescription,
     (objects, lit, level): (Surfaces, &LitSurfaces, SimdLevel),
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainGrid, Surfaces, GrainDigest), RenderError> {
+) -> Result<Packed, RenderError> {
     let has_lamps = lit.shapes.len() > description.objects.len();
     if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
         && description.strata.loads.is_empty()
@@ -310,7 +316,8 @@ fn build_grid(
         if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);
             report.snowfalls.push(None);
-            return Ok((grid, with_lamps.unwrap_or(objects), digest));
+            let surfaces = with_lamps.unwrap_or(objects);
+            return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
         }
     }
     let mut known = KnownGrains::of_scene(description);
@@ -327,7 +334,9 @@ fn build_grid(
     let packing = description.packing.unwrap_or_default();
     let grid = field.pack_in_strata(&surfaces, packing, &known.strata(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
-    Ok((grid, surfaces, digest))
+    let prototypes =
+        field.shapes().map_or_else(|| Arc::new([]) as Arc<[Shape]>, |s| Arc::clone(&s.prototypes));
+    Ok(Packed { grid, surfaces, digest, prototypes })
 }
 
 /// The lattice without memory, where it is whole and has such a form, and no surface crosses it; as

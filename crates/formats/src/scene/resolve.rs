@@ -22,7 +22,7 @@ use snowgrain_grains::GrainField;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
     FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    Packing, Pores, Sampler, SceneDescription, SnowDescription, Surface,
+    Packing, Pores, Sampler, SceneDescription, Surface,
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::surface::Texture;

@@ -4,14 +4,14 @@ use super::body::{entered, interval};
 use super::lane::{BodyPart, Inside, Lane, Phase, SurfaceAnswer};
 use super::near::near;
 use super::{SURFACE_FIRST, ShapeFlight};
-use crate::flight::FlightEvent;
+use crate::flight::{ArrivalFrom, FlightEvent};
 use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
 use fearless_simd::Simd;
 use snowgrain_math::DVec3;
 
 /// The way out of a cell, or of an empty brick.
-struct Exit {
-    distance: f64,
+pub(super) struct Exit {
+    pub(super) distance: f64,
     axis: usize,
     /// Cells that crossing the face moves.
     steps: i32,
@@ -20,9 +20,11 @@ struct Exit {
 }
 
 /// The entry into a grain.
-struct Entry {
-    at: f64,
-    inside: Inside,
+pub(super) struct Entry {
+    pub(super) at: f64,
+    /// Whether it lies behind the place where the path stands.
+    pub(super) begins_inside: bool,
+    pub(super) inside: Inside,
 }
 
 impl ShapeFlight<'_> {
@@ -36,14 +38,14 @@ impl ShapeFlight<'_> {
             return;
         }
         match entry {
-            Some(Entry { at, inside }) => self.arrive(index, at, inside),
+            Some(Entry { at, inside, .. }) => self.arrive(index, at, inside),
             None => self.leave_cell(index, &exit),
         }
     }
 
     /// The way out of the cell of a path. The same numbers in each cell that shares the face.
     #[inline(always)]
-    fn exit(&self, lane: &Lane) -> Exit {
+    pub(super) fn exit(&self, lane: &Lane) -> Exit {
         let grid = self.grid;
         let is_brick = lane.entry == CellEntry::EMPTY_BRICK;
         let mut exit = Exit { distance: f64::INFINITY, axis: 0, steps: 0, within: [[0; 2]; 3] };
@@ -76,7 +78,7 @@ impl ShapeFlight<'_> {
     /// The first grain that is entered up to `limit`: where its interval begins. Of grains that are entered at
     /// the same point the first in the cell.
     #[inline(always)]
-    fn next_entry<S: Simd>(&self, simd: S, lane: &Lane, limit: f64) -> Option<Entry> {
+    pub(super) fn next_entry<S: Simd>(&self, simd: S, lane: &Lane, limit: f64) -> Option<Entry> {
         if lane.entry == CellEntry::EMPTY_BRICK {
             return None;
         }
@@ -97,6 +99,9 @@ impl ShapeFlight<'_> {
                 let word = self.shapes.blocks[number][slot];
                 let placement = Placement::of(ShapeWord::of_slot(word));
                 let center = self.center(lane, number, slot);
+                if lane.shadowless == Some(center) {
+                    continue;
+                }
                 let ray = lane.ray_to(center, &placement);
                 for (at, part) in self.shapes.of(&placement).parts.iter().enumerate() {
                     let body = BodyPart { center, word, part: at as u16 };
@@ -129,7 +134,8 @@ impl ShapeFlight<'_> {
             overlaps: flags & OVERLAPS != 0 || parts.len() > 1,
             stratum: self.stratum(number, slot),
         };
-        Some(Entry { at: best.max(lane.travelled), inside })
+        let begins_inside = best < lane.travelled;
+        Some(Entry { at: best.max(lane.travelled), begins_inside, inside })
     }
 
     /// Centre of a grain of a block of the path's cell, from the corner of its home cell.
@@ -174,7 +180,7 @@ impl ShapeFlight<'_> {
 
     /// Goes on to the next cell, or out of the grid.
     #[inline(always)]
-    fn leave_cell(&mut self, index: usize, exit: &Exit) {
+    pub(super) fn leave_cell(&mut self, index: usize, exit: &Exit) {
         let grid = self.grid;
         let lane = &mut self.lanes[index];
         lane.travelled = exit.distance;
@@ -206,6 +212,8 @@ impl ShapeFlight<'_> {
         let lane = &mut self.lanes[index];
         lane.count_air(at);
         lane.visits += 1;
+        self.note(index, ArrivalFrom::Air, &inside, at);
+        let lane = &mut self.lanes[index];
         lane.inside = Inside { leave: at, ..inside };
         let outward = lane.outward(shapes);
         if lane.first.is_none() {

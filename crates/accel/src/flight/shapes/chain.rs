@@ -2,7 +2,9 @@
 
 use super::body::{LocalRay, entered, interval, left, normal};
 use super::interface::Interface;
-use crate::grain_grid::{Part, Prototype};
+use crate::GrainGrid;
+use crate::flight::ShapedArrival;
+use crate::grain_grid::{Part, Placement, Prototype};
 use snowgrain_geometry::Shape;
 use snowgrain_math::{DVec3, Ray};
 
@@ -29,7 +31,9 @@ pub struct Outgoing {
 pub struct Chain {
     /// What leaves, by the number of chords.
     pub outgoing: Vec<Outgoing>,
-    /// The weight that was still inside where the chain was not followed any farther.
+    /// Chords that were followed.
+    pub chords: u32,
+    /// The weight that was still inside after them.
     pub rest: f64,
 }
 
@@ -38,9 +42,40 @@ pub struct Chain {
 /// a ray that leaves may meet another part.
 #[must_use]
 pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
-    let prototype = Prototype::new(shape);
+    let local = LocalRay { origin: ray.origin, direction: ray.direction };
+    of_prototype(&Prototype::new(shape), local, eta)
+}
+
+impl GrainGrid {
+    /// The chain of light that arrives at a shaped grain along the unit vector `direction`, in the axes of the
+    /// world, from the centre of the grain and in its radii; `None` where it is no single convex body.
+    #[must_use]
+    pub fn chain(
+        &self,
+        arrival: &ShapedArrival,
+        direction: DVec3,
+        radius: f64,
+        eta: f64,
+    ) -> Option<Chain> {
+        let ShapedArrival { shape, from_center } = *arrival;
+        let prototype = self.shapes()?.prototypes.get(shape.prototype())?;
+        let placement =
+            Placement { rotation: shape.rotation(), radius, prototype: shape.prototype() };
+        let local = LocalRay {
+            origin: placement.to_prototype(from_center),
+            direction: placement.turned_back(direction),
+        };
+        let mut chain = of_prototype(prototype, local, eta)?;
+        for out in &mut chain.outgoing {
+            let Ray { origin, direction, .. } = out.ray;
+            out.ray = Ray::new(placement.rotation * origin, placement.rotation * direction);
+        }
+        Some(chain)
+    }
+}
+
+fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<Chain> {
     let [part] = prototype.parts.as_slice() else { return None };
-    let mut local = LocalRay { origin: ray.origin, direction: ray.direction };
     let [enter, leave] = interval(part, &local)?;
     if leave <= 0.0 {
         return None;
@@ -49,7 +84,8 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
     let point = local.origin + local.direction * enter.max(0.0);
     let interface = Interface::new(local.direction, normal(part, on, point), 1.0 / eta);
     let reflected = 1.0 - interface.transmittance;
-    let mut chain = Chain { outgoing: Vec::new(), rest: interface.transmittance };
+    let rest = interface.transmittance;
+    let mut chain = Chain { outgoing: Vec::new(), chords: 0, rest };
     chain.add(reflected, Ray::new(point, interface.reflected), [0.0, 0.0]);
     local = LocalRay { origin: point, direction: interface.refracted };
     let mut length = 0.0;
@@ -58,6 +94,7 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
             break;
         }
         length += step(part, &mut local, &mut on);
+        chain.chords = chords as u32;
         let outward = normal(part, on, local.origin);
         let interface = Interface::new(local.direction, -outward, eta);
         let weight = chain.rest * interface.transmittance;

@@ -93,6 +93,8 @@ pub(super) struct Lane {
     pub(super) entry: CellEntry,
     /// In air: the part that the stretch left, which it cannot meet again (convexity).
     pub(super) leaving: Option<BodyPart>,
+    /// Of a straight ray: centre of a grain that it does not meet.
+    pub(super) shadowless: Option<DVec3>,
     pub(super) inside: Inside,
     /// The piece of surface that the stretch left.
     pub(super) left_surface: Option<SurfaceId>,
@@ -125,6 +127,7 @@ impl Default for Lane {
             home_periods: [0; 3],
             entry: CellEntry::EMPTY,
             leaving: None,
+            shadowless: None,
             inside: Inside::default(),
             left_surface: None,
             surface: SurfaceAnswer::NotAsked,

@@ -112,12 +112,19 @@ impl Seeker<'_> {
             }
             (0, _, _) => Chance::All(&search.lights),
             (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {
-                let solved = order == 1 && trail.vertex == Vertex::Camera && is_solved(trail, path);
-                if solved { Chance::Nothing } else { Chance::All(&search.wide) }
+                let first = order == 1 && trail.vertex == Vertex::Camera;
+                let shaped = trail.last.is_some_and(|last| last.prototype.is_some());
+                match first {
+                    true if is_solved(trail, path) => Chance::Nothing,
+                    // Chance finds what a face mirrors as often as it finds the face.
+                    true if shaped => Chance::All(&search.lights),
+                    _ => Chance::All(&search.wide),
+                }
             }
             (_, _, None) => Chance::All(&search.lights),
             (_, _, Some(last)) => {
-                let density = search.table(last.from).density(last.direction.dot(direction));
+                let table = search.table(last.from, last.prototype);
+                let density = table.density(last.direction.dot(direction));
                 Chance::Beside(search.sought_at(order), last.center, density)
             }
         }

@@ -20,6 +20,7 @@ mod agreement;
 pub mod calibrate;
 mod chance;
 mod first_grain;
+mod first_shape;
 mod gains;
 mod grains;
 mod shadow;
@@ -31,12 +32,14 @@ pub(super) use surfaces::Bounce;
 
 use super::Contribution;
 use crate::camera::{Bundle, Camera};
+use crate::laboratory::scattered;
 use crate::light::{LightRole, Lights};
 use crate::surface::Scatterer;
 use crate::world::World;
 use gains::{Gains, Tally};
 use shadow::{Origin, Wanted};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
+use snowgrain_geometry::Shape;
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
@@ -61,6 +64,10 @@ const ORIGINS_ASKED: u32 = 5;
 /// Grains at which suns are not looked for at random places.
 const GRAINS_BEFORE_SUNS: u32 = 2;
 
+/// Paths that are followed through a lone grain of each shape, and their seed.
+const SHAPE_PATHS: u64 = 1 << 21;
+const SHAPE_SEED: u64 = 0x5ea_2c4ed;
+
 /// What tells the random numbers of a search from those of its path.
 const SEARCH: u32 = 0x5eed_1194;
 
@@ -79,6 +86,8 @@ pub struct LightSearch {
     wide: Lights,
     medium: Dielectric,
     from_air: ScatterTable,
+    /// Of each prototype that grains have, in all orientations alike.
+    of_shapes: Vec<ScatterTable>,
     from_ice: ScatterTable,
     connector: Connector,
     gains: Gains,
@@ -111,6 +120,7 @@ impl LightSearch {
             is_sought,
             medium,
             from_air: ScatterTable::for_air(medium),
+            of_shapes: Vec::new(),
             from_ice: ScatterTable::for_ice(medium),
             connector: Connector::new(medium, SOLVED_ORDERS),
             gains: Gains::default(),
@@ -122,10 +132,21 @@ impl LightSearch {
         if order > GRAINS_BEFORE_SUNS { &self.late } else { &self.early }
     }
 
-    fn table(&self, from: ArrivalFrom) -> &ScatterTable {
-        match from {
-            ArrivalFrom::Air => &self.from_air,
-            ArrivalFrom::Ice => &self.from_ice,
+    /// The same search among grains of these shapes too, of which light is followed through lone ones.
+    #[must_use]
+    pub fn among(self, prototypes: &[Shape], level: SimdLevel) -> Self {
+        let table = |shape: &Shape| {
+            let paths = (SHAPE_PATHS, SHAPE_SEED);
+            ScatterTable::of_samples(&scattered(shape, self.medium.eta, paths, level))
+        };
+        Self { of_shapes: prototypes.iter().map(table).collect(), ..self }
+    }
+
+    fn table(&self, from: ArrivalFrom, prototype: Option<usize>) -> &ScatterTable {
+        match (from, prototype) {
+            (ArrivalFrom::Air, Some(prototype)) => &self.of_shapes[prototype],
+            (ArrivalFrom::Air, None) => &self.from_air,
+            (ArrivalFrom::Ice, _) => &self.from_ice,
         }
     }
 }
@@ -179,6 +200,8 @@ pub(super) struct Trail {
 #[derive(Clone, Copy, Debug)]
 struct LastArrival {
     from: ArrivalFrom,
+    /// The prototype of the grain, where it has a shape.
+    prototype: Option<usize>,
     direction: DVec3,
     /// Centre of the grain.
     center: DVec3,
@@ -250,10 +273,12 @@ impl<'a> Seeker<'a> {
             let order = trail.order(visit.grain_visits);
             let last = LastArrival {
                 from: visit.from,
+                prototype: visit.shaped.map(|shaped| shaped.shape.prototype()),
                 direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
                 center: self.world.grid.world(visit.center),
                 origin: match visit.from {
                     ArrivalFrom::Ice => None,
+                    ArrivalFrom::Air if visit.shaped.is_some() => None,
                     ArrivalFrom::Air if order == 1 && trail.vertex == Vertex::Camera => {
                         Some(Origin::Open)
                     }
@@ -276,7 +301,10 @@ impl<'a> Seeker<'a> {
             }
             self.at_random_place(visit, &last, (order, trail.seen_along), &state);
             if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air {
-                self.at_first_grain(visit, trail, &state);
+                match &visit.shaped {
+                    Some(shaped) => self.at_first_shape((visit, shaped), trail, &state),
+                    None => self.at_first_grain(visit, trail, &state),
+                }
             }
         }
         self.follow_shadow_rays(trails);
