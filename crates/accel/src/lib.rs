@@ -15,7 +15,7 @@ pub mod surfaces;
 mod words;
 
 pub use flight::{
-    ArrivalFrom, Flight, FlightEvent, GrainVisit, Outgoing, Probe, ProbeAnswer, Probes,
+    ArrivalFrom, Flight, FlightEvent, GrainVisit, Outgoing, Passage, Probe, ProbeAnswer, Probes,
     ShapedArrival,
 };
 pub use grain_grid::{

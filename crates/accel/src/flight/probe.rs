@@ -3,7 +3,7 @@
 use super::blocks::{BlockProbes, unit_f32};
 use super::shapes::ShapeProbes;
 use crate::grain_grid::GridPosition;
-use crate::{GrainGrid, SimdLevel, Surfaces};
+use crate::{GrainGrid, STRATA, SimdLevel, Surfaces};
 use snowgrain_math::DVec3;
 
 /// A straight ray to be followed. Lengths in quanta.
@@ -54,6 +54,8 @@ impl Probe {
 pub enum ProbeAnswer {
     /// Nothing: it left the grid or reached its length.
     Clear,
+    /// The same, after grains that it passed straight through, by faces that are parallel.
+    Through(Passage),
     /// Another grain covers its start.
     Covered,
     /// A grain.
@@ -67,6 +69,17 @@ pub enum ProbeAnswer {
     },
 }
 
+/// What a straight ray met on its way through grains.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Passage {
+    /// Part of the light that passes.
+    pub transmittance: f32,
+    /// Length in ice, quanta.
+    pub ice_length: f32,
+    /// Of it, that in grains of each stratum from 1 on.
+    pub ice_in_strata: [f32; STRATA],
+}
+
 /// Follows straight rays among the grains of a grid.
 #[derive(Debug)]
 pub struct Probes<'a>(Engine<'a>);
@@ -78,14 +91,15 @@ enum Engine<'a> {
 }
 
 impl<'a> Probes<'a> {
-    /// None in flight. `surfaces` are not looked at.
+    /// None in flight. `surfaces` are not looked at. Rays pass straight through faces of grains of relative
+    /// index `eta` that are parallel.
     ///
     /// # Panics
     /// If the machine does not have `level`.
     #[must_use]
-    pub fn new(grid: &'a GrainGrid, surfaces: &'a Surfaces, level: SimdLevel) -> Self {
+    pub fn new(grid: &'a GrainGrid, surfaces: &'a Surfaces, eta: f64, level: SimdLevel) -> Self {
         Self(match grid.shapes() {
-            Some(shapes) => Engine::Shapes(ShapeProbes::new((grid, shapes), surfaces, level)),
+            Some(shapes) => Engine::Shapes(ShapeProbes::new((grid, shapes), surfaces, eta, level)),
             None => Engine::Blocks(BlockProbes::new(grid, surfaces, level)),
         })
     }

@@ -1,6 +1,6 @@
 //! All that one convex body makes of a ray: reflected outside, and out again after each number of chords.
 
-use super::body::{LocalRay, entered, interval, left, normal};
+use super::body::{ELLIPSOID, LocalRay, entered, interval, left, normal};
 use super::interface::Interface;
 use crate::GrainGrid;
 use crate::flight::ShapedArrival;
@@ -12,6 +12,9 @@ use snowgrain_math::{DVec3, Ray};
 pub const LEAST_WEIGHT: f64 = 1e-5;
 /// Interfaces after which a chain is not followed: total reflection takes no weight.
 pub const MOST_INTERFACES: usize = 1000;
+
+/// Faces are parallel whose normals are opposite to so much.
+const PARALLEL: f64 = 1e-12;
 
 /// A ray that leaves a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +107,40 @@ fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<
         local.direction = interface.reflected;
     }
     Some(chain)
+}
+
+/// How light goes straight through a body, by one chord between parallel faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Straight {
+    pub(super) transmittance: f64,
+    /// Length in ice, radii.
+    pub(super) length: f64,
+    /// Where it leaves.
+    pub(super) leaves: DVec3,
+}
+
+/// How a ray that enters a body at `enter` of it goes straight through, if it does.
+#[inline(always)]
+pub(super) fn straight(part: &Part, ray: &LocalRay, enter: f64, eta: f64) -> Option<Straight> {
+    let on = entered(part, ray, enter);
+    if on == ELLIPSOID {
+        return None;
+    }
+    let point = ray.origin + ray.direction * enter;
+    let outward = normal(part, on, point);
+    let interface = Interface::new(ray.direction, outward, 1.0 / eta);
+    if interface.transmittance == 0.0 {
+        return None;
+    }
+    let mut inside = LocalRay { origin: point, direction: interface.refracted };
+    let mut through = on;
+    let length = step(part, &mut inside, &mut through);
+    if through == ELLIPSOID || normal(part, through, inside.origin).dot(outward) > PARALLEL - 1.0 {
+        return None;
+    }
+    // It meets the other face at the angle at which it left this one.
+    let transmittance = interface.transmittance * interface.transmittance;
+    Some(Straight { transmittance, length, leaves: inside.origin })
 }
 
 /// Along one chord; its length.

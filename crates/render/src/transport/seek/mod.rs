@@ -68,6 +68,9 @@ const GRAINS_BEFORE_SUNS: u32 = 2;
 const SHAPE_PATHS: u64 = 1 << 21;
 const SHAPE_SEED: u64 = 0x5ea_2c4ed;
 
+/// Less the cosine of an angle that light was not turned by.
+const STRAIGHT: f64 = 1e-9;
+
 /// What tells the random numbers of a search from those of its path.
 const SEARCH: u32 = 0x5eed_1194;
 
@@ -187,8 +190,9 @@ pub(super) struct Trail {
     vertex: Vertex,
     /// Arrivals at grains from air before the vertex.
     visits_before: u32,
-    /// Since the vertex.
+    /// The last arrival since the vertex, and the last one of a grain that turned the path.
     last: Option<LastArrival>,
+    turned: Option<LastArrival>,
     /// Of the first grain from the camera, the orders that were solved.
     solved_orders: Option<u32>,
     /// Whether the path went from grain to grain through ice since the vertex.
@@ -200,6 +204,8 @@ pub(super) struct Trail {
 #[derive(Clone, Copy, Debug)]
 struct LastArrival {
     from: ArrivalFrom,
+    /// Which grain since the vertex it is.
+    order: u32,
     /// The prototype of the grain, where it has a shape.
     prototype: Option<usize>,
     direction: DVec3,
@@ -215,6 +221,14 @@ impl Trail {
         let mut contributions = std::mem::take(&mut self.contributions);
         contributions.clear();
         *self = Self { view, seen_along, contributions, ..Self::default() };
+    }
+
+    /// The last grain that turned the path, which goes on along a direction: light goes straight through
+    /// faces that are parallel, and shadow rays do so, too.
+    fn turned_before(&self, direction: DVec3) -> Option<LastArrival> {
+        let last = self.last?;
+        let straight = last.prototype.is_some() && 1.0 - last.direction.dot(direction) < STRAIGHT;
+        if straight { self.turned } else { Some(last) }
     }
 
     /// How many grains the path has met since the vertex, of `grain_visits` in all.
@@ -254,7 +268,7 @@ impl<'a> Seeker<'a> {
             world,
             camera,
             search,
-            probes: Probes::new(&world.grid, &world.surfaces, level),
+            probes: Probes::new(&world.grid, &world.surfaces, world.eta, level),
             rays: Vec::new(),
             wanted: Vec::new(),
             tally: None,
@@ -273,6 +287,7 @@ impl<'a> Seeker<'a> {
             let order = trail.order(visit.grain_visits);
             let last = LastArrival {
                 from: visit.from,
+                order,
                 prototype: visit.shaped.map(|shaped| shaped.shape.prototype()),
                 direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
                 center: self.world.grid.world(visit.center),
@@ -286,6 +301,7 @@ impl<'a> Seeker<'a> {
                     ArrivalFrom::Air => Some(Origin::Matter),
                 },
             };
+            trail.turned = trail.turned_before(last.direction);
             trail.last = Some(last);
             trail.from_ice = match visit.from {
                 ArrivalFrom::Air => 0,
