@@ -50,8 +50,8 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
     let interface = Interface::new(local.direction, normal(part, on, point), 1.0 / eta);
     let reflected = 1.0 - interface.transmittance;
     let mut chain = Chain { outgoing: Vec::new(), rest: interface.transmittance };
-    chain.add(reflected, Ray::new(point, interface.reflected), [0.0, 0.0]);
-    local = LocalRay { origin: point, direction: interface.refracted };
+    chain.add(reflected, Ray::new(point, interface.reflected()), [0.0, 0.0]);
+    local = LocalRay { origin: point, direction: interface.refracted() };
     let mut length = 0.0;
     for chords in 1..MOST_INTERFACES {
         if chain.rest < LEAST_WEIGHT {
@@ -61,10 +61,10 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
         let outward = normal(part, on, local.origin);
         let interface = Interface::new(local.direction, -outward, eta);
         let weight = chain.rest * interface.transmittance;
-        let out = Ray::new(local.origin, interface.refracted);
+        let out = Ray::new(local.origin, interface.refracted());
         chain.add(weight, out, [chords as f64, length]);
         chain.rest -= weight;
-        local.direction = interface.reflected;
+        local.direction = interface.reflected();
     }
     Some(chain)
 }
