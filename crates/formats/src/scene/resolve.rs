@@ -10,7 +10,7 @@ mod snow;
 mod surfaces;
 
 use super::document::{
-    IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName, SamplerName,
+    IntegratorName, KeepName, PackingName, PoresName, PrimariesName, SamplerName,
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
@@ -113,20 +113,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     });
     let is_shaped = shapes.iter().flatten().any(|mix| !mix.is_all_spheres())
         || snow.iter().any(SnowDescription::has_shapes);
-    let light_finding = match file.document.integrator.light {
-        LightFindingName::Auto if is_shaped || lights.iter().all(LightDescription::is_sky) => {
-            LightFinding::Exact
-        }
-        LightFindingName::Sampled | LightFindingName::AllSampled if is_shaped => {
-            let mend = "light cannot be looked for among grains of other shapes than spheres yet; leave this \
-                        out or write \"exact\", which finds a sun or lamp by chance";
-            return Err(checks.misplaced("integrator.light", mend));
-        }
-        LightFindingName::Exact => LightFinding::Exact,
-        LightFindingName::Auto | LightFindingName::Sampled => LightFinding::Sampled,
-        LightFindingName::AllSampled => LightFinding::AllSampled,
-    };
-    lights::refuse_points(&checks, &lights, light_finding)?;
+    let light_finding = lights::finding(&checks, &lights, is_shaped)?;
     Ok(SceneDescription {
         film,
         camera,

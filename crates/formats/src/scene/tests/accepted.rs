@@ -12,7 +12,7 @@ use snowgrain_optics::{
 };
 use snowgrain_render::description::{
     Focus, IceDescription, Lens, LightDescription, LightFinding, LightKind, ObjectShape,
-    Projection, Sampler, SceneDescription, SnowDescription, Surface,
+    Projection, Sampler, SceneDescription, SearchSettings, SnowDescription, Sought, Surface,
 };
 use snowgrain_render::surface::Reflectance;
 use std::path::Path;
@@ -381,7 +381,7 @@ fn objects_are_of_metal_glass_or_pictures() {
 #[test]
 fn a_furnace_has_white_walls_and_one_uniform_light() {
     let mut scene = builtin("snowy-teapot");
-    scene.light_finding = LightFinding::AllSampled;
+    scene.light_finding = LightFinding::Sampled(SearchSettings::of(Sought::All));
     let scene = furnace(scene);
     assert_eq!(scene.light_finding, LightFinding::Exact);
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0; 3])]);
@@ -522,5 +522,5 @@ fn shapes_of_grains_mean_what_they_say_and_a_sun_is_then_found_by_chance() {
     );
     let scene = read(&spheres, &[]).unwrap();
     assert!(scene.shapes_of(0).is_none() && !scene.has_shapes());
-    assert_eq!(scene.light_finding, LightFinding::Sampled);
+    assert!(matches!(scene.light_finding, LightFinding::Sampled(_)));
 }
