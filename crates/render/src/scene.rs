@@ -460,8 +460,13 @@ fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quant
             }
         }
     }
+    // The radii of shapes were rounded too, up by half a quantum at most, and grains reach that much farther.
+    let bodies = 0..description.snow.len();
+    let reach = bodies.map(|body| description.reach_of(body)).fold(0.0, f64::max);
+    let slack = if description.has_shapes() { reach } else { 0.0 };
     let usable = |q: &Quantisation| {
-        largest <= q.largest_radius() && (!at_origin || q.origin() == DVec3::ZERO)
+        largest <= q.largest_radius() + slack * q.quantum()
+            && (!at_origin || q.origin() == DVec3::ZERO)
     };
     if let Some(quantisation) = from_file.filter(usable) {
         return quantisation;

@@ -202,8 +202,7 @@ impl<'a> Flight<'a> {
     /// they are to be taken before its events are answered.
     ///
     /// # Panics
-    /// In a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`]; among
-    /// grains of other shapes than spheres, at which no light can be looked for.
+    /// In a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`].
     pub fn note_visits(&mut self) {
         match &mut self.engine {
             Engine::Shapes(flight) => flight.note_visits(),

@@ -203,7 +203,11 @@ impl Packer<'_> {
             storage: Storage::Packed(PackedCells::of(self.layout.bricks(), table, entries)),
             blocks,
             strata,
-            shapes: (with_shapes > 0).then_some(GridShapes { prototypes, blocks: shapes }),
+            shapes: (with_shapes > 0).then_some(GridShapes {
+                prototypes,
+                concentric: false,
+                blocks: shapes,
+            }),
             grains: self.survey.grains,
         })
     }

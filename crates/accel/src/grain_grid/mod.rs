@@ -480,6 +480,7 @@ impl GrainGrid {
             build::build(quantisation, spheres.as_slice().into(), around, period_quanta, packing)?;
         if let Some(grid) = &mut grid.shapes {
             grid.prototypes = shapes.prototypes.iter().map(Prototype::new).collect();
+            grid.concentric = shapes::any_concentric(grains);
         }
         Ok(grid)
     }

@@ -21,7 +21,7 @@ pub(crate) type BlockShapes = [u64; GRAINS_PER_BLOCK];
 
 /// Quanta by which a bounding sphere is larger than the body: rounding up, and the tests of bounding spheres,
 /// which are in single precision, take less; two grains whose spheres only touch do not overlap.
-const SLACK: u16 = 2;
+pub(super) const SLACK: u16 = 2;
 
 /// A [`GrainShape`] and, above it, the radius in quanta.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +53,8 @@ impl ShapeWord {
 #[derive(Debug)]
 pub(crate) struct GridShapes {
     pub(crate) prototypes: Vec<Prototype>,
+    /// Whether two grains have one centre.
+    pub(crate) concentric: bool,
     pub(crate) blocks: Vec<BlockShapes>,
 }
 
@@ -150,6 +152,13 @@ pub(super) fn bounding(
         words.push(ShapeWord::new(shape, grain.radius).0);
     }
     Ok((spheres, words))
+}
+
+/// Whether two grains have one centre, as those do that make up a star.
+pub(super) fn any_concentric(grains: &[QuantisedGrain]) -> bool {
+    let mut centers: Vec<[i32; 3]> = grains.iter().map(|grain| grain.center).collect();
+    centers.sort_unstable();
+    centers.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 /// From a prototype's space to the grid's, of one grain.

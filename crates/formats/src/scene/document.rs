@@ -426,7 +426,7 @@ pub struct IntegratorTable {
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
     /// (suns, lamps and maps are looked for at every grain and surface: far less noise, within 1 to
     /// 2 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
-    /// sampled, but for grains of other shapes than spheres, where it is exact); default "auto".
+    /// sampled); default "auto".
     pub light: LightFindingName,
     /// Paths by which is measured, before the picture, what light that is looked for differs by from light
     /// that is met: an error of 300 % over its square root is left in the light of a sun. Default

@@ -101,6 +101,26 @@ pub(super) fn interval(part: &Part, ray: &LocalRay) -> Option<[f64; 2]> {
     (enter < leave).then_some([enter, leave])
 }
 
+/// Whether a point may lie in the body, as its interval would say: it does not where it is farther outside than
+/// any rounding takes it, 1e-6 radii.
+#[inline(always)]
+pub(super) fn may_hold(part: &Part, point: DVec3) -> bool {
+    const ROUNDING: f64 = 1e-6;
+    for planes in &part.planes {
+        let mut above = [0.0; 8];
+        for (i, above) in above.iter_mut().enumerate() {
+            let height = planes.x[i] * point.x + planes.y[i] * point.y + planes.z[i] * point.z;
+            *above = height - planes.distance[i];
+        }
+        if reduced(above, greater) > ROUNDING {
+            return false;
+        }
+    }
+    part.ellipsoid
+        .as_ref()
+        .is_none_or(|e| (e.to_unit * (point - e.center)).length_squared() < 1.0 + 100.0 * ROUNDING)
+}
+
 /// The part of the surface at which the line enters the body, at `enter` of [`interval`].
 #[inline(always)]
 pub(super) fn entered(part: &Part, ray: &LocalRay, enter: f64) -> u16 {
@@ -122,12 +142,18 @@ pub(super) fn left(part: &Part, ray: &LocalRay, on: u16) -> (f64, u16) {
     let mut best = (f64::INFINITY, NOWHERE);
     for (octet, planes) in part.planes.iter().enumerate() {
         let heights = Heights::of(planes, ray);
-        let at = heights.crossings();
-        for (i, at) in at.into_iter().enumerate() {
-            let number = (8 * octet + i) as u16;
-            if heights.slope[i] > 0.0 && at < best.0 && number != on {
-                best = (at, number);
-            }
+        let mut at = heights.crossings();
+        for (at, slope) in at.iter_mut().zip(heights.slope) {
+            *at = if slope > 0.0 { *at } else { f64::INFINITY };
+        }
+        let standing = usize::from(on).wrapping_sub(8 * octet);
+        if let Some(at) = at.get_mut(standing) {
+            *at = f64::INFINITY;
+        }
+        let least = reduced(at, lesser);
+        if least < best.0 {
+            let first = at.iter().position(|&at| at == least).unwrap_or(0);
+            best = (least, (8 * octet + first) as u16);
         }
     }
     if let Some(ellipsoid) = &part.ellipsoid {

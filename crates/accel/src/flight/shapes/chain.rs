@@ -89,8 +89,8 @@ fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<
     let reflected = 1.0 - interface.transmittance;
     let rest = interface.transmittance;
     let mut chain = Chain { outgoing: Vec::new(), chords: 0, rest };
-    chain.add(reflected, Ray::new(point, interface.reflected), [0.0, 0.0]);
-    local = LocalRay { origin: point, direction: interface.refracted };
+    chain.add(reflected, Ray::new(point, interface.reflected()), [0.0, 0.0]);
+    local = LocalRay { origin: point, direction: interface.refracted() };
     let mut length = 0.0;
     for chords in 1..MOST_INTERFACES {
         if chain.rest < LEAST_WEIGHT {
@@ -101,10 +101,10 @@ fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<
         let outward = normal(part, on, local.origin);
         let interface = Interface::new(local.direction, -outward, eta);
         let weight = chain.rest * interface.transmittance;
-        let out = Ray::new(local.origin, interface.refracted);
+        let out = Ray::new(local.origin, interface.refracted());
         chain.add(weight, out, [chords as f64, length]);
         chain.rest -= weight;
-        local.direction = interface.reflected;
+        local.direction = interface.reflected();
     }
     Some(chain)
 }
@@ -132,7 +132,7 @@ pub(super) fn straight(part: &Part, ray: &LocalRay, enter: f64, eta: f64) -> Opt
     if interface.transmittance == 0.0 {
         return None;
     }
-    let mut inside = LocalRay { origin: point, direction: interface.refracted };
+    let mut inside = LocalRay { origin: point, direction: interface.refracted() };
     let mut through = on;
     let length = step(part, &mut inside, &mut through);
     if through == ELLIPSOID || normal(part, through, inside.origin).dot(outward) > PARALLEL - 1.0 {

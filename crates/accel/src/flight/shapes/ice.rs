@@ -1,67 +1,68 @@
 //! Paths in ice: along a chord, on into the next grain where ice goes on, out or back where it ends.
 
-use super::body::{interval, left};
+use super::body::{interval, left, may_hold};
 use super::interface::Interface;
 use super::lane::{BodyPart, Inside, Phase};
-use super::near::near;
+use super::near::{TOLERANCE, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
 use fearless_simd::Simd;
 
 impl ShapeFlight<'_> {
-    /// From the origin of a stretch in ice, which stands on the part `on` of the surface of its body: to the
-    /// end of the chord, and, where nothing but an interface can be there, through it, until the path is out
-    /// or has to ask.
+    /// Follows a path in ice for as long as what its cells hold is known: from the origin of a stretch that stands on
+    /// the part `on` of the surface of its body or, without one, from the end of a chord.
     #[inline(always)]
-    pub(super) fn begin_chord(&mut self, index: usize, mut on: u16) {
+    pub(super) fn go_on_in_ice<S: Simd>(&mut self, simd: S, index: usize, mut on: Option<u16>) {
         loop {
-            let (grid, shapes) = (self.grid, self.shapes);
-            let lane = &mut self.lanes[index];
-            let Inside { body, placement, .. } = lane.inside;
-            let part = &shapes.of(&placement).parts[usize::from(body.part)];
-            let ray = lane.ray_to(body.center, &placement);
-            let (leave, through) = left(part, &ray, on);
-            (lane.inside.leave, lane.inside.through) = (leave * placement.radius, through);
-            if lane.inside.meets_surface && self.meets_surface_in_ice(index) {
+            if let Some(on) = on
+                && !self.begin_chord(index, on)
+            {
                 return;
             }
             let lane = &mut self.lanes[index];
             if lane.inside.overlaps {
-                lane.seek_cell(grid, lane.inside.leave);
-                lane.phase = Phase::Ice;
-                return;
+                lane.seek_cell(&self.cells, lane.inside.leave);
+                if lane.cell != lane.entry_of {
+                    lane.phase = Phase::Ice;
+                    return;
+                }
+                if let Some(next) = self.farthest_cover(simd, index) {
+                    let lane = &mut self.lanes[index];
+                    lane.count_ice(lane.inside.leave);
+                    lane.travelled = lane.inside.leave;
+                    let (from, at) = (lane.inside.body, lane.travelled);
+                    // From part to part of one grain it does not arrive.
+                    if (from.center, from.word) != (next.body.center, next.body.word) {
+                        self.note(index, ArrivalFrom::Ice, &next, at);
+                    }
+                    let lane = &mut self.lanes[index];
+                    lane.inside = next;
+                    if next.meets_surface && self.meets_surface_in_ice(index) {
+                        return;
+                    }
+                    on = None;
+                    continue;
+                }
             }
-            match self.turn(index) {
-                Some(face) => on = face,
-                None => return,
+            on = self.turn(index);
+            if on.is_none() {
+                return;
             }
         }
     }
 
-    /// At the end of a chord: does ice go on?
+    /// From the origin of a stretch to the end of the chord in its body, unless a surface is met before.
     #[inline(always)]
-    pub(super) fn step_in_ice<S: Simd>(&mut self, simd: S, index: usize) {
-        if let Some(next) = self.farthest_cover(simd, index) {
-            let grid = self.grid;
-            let lane = &mut self.lanes[index];
-            lane.count_ice(lane.inside.leave);
-            lane.travelled = lane.inside.leave;
-            let (from, at) = (lane.inside.body, lane.travelled);
-            // From part to part of one grain it does not arrive.
-            if (from.center, from.word) != (next.body.center, next.body.word) {
-                self.note(index, ArrivalFrom::Ice, &next, at);
-            }
-            let lane = &mut self.lanes[index];
-            lane.inside = next;
-            if next.meets_surface && self.meets_surface_in_ice(index) {
-                return;
-            }
-            let lane = &mut self.lanes[index];
-            lane.seek_cell(grid, lane.inside.leave);
-        } else if let Some(on) = self.turn(index) {
-            self.begin_chord(index, on);
-        }
+    pub(super) fn begin_chord(&mut self, index: usize, on: u16) -> bool {
+        let shapes = self.shapes;
+        let lane = &mut self.lanes[index];
+        let Inside { body, placement, .. } = lane.inside;
+        let part = &shapes.of(&placement).parts[usize::from(body.part)];
+        let ray = lane.ray_to(body.center, &placement);
+        let (leave, through) = left(part, &ray, on);
+        (lane.inside.leave, lane.inside.through) = (leave * placement.radius, through);
+        !(lane.inside.meets_surface && self.meets_surface_in_ice(index))
     }
 
     /// Of the bodies that hold the end of the chord (their interval begins before or there and ends
@@ -80,19 +81,24 @@ impl ShapeFlight<'_> {
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;
-                if near.enter[slot] > 1.0 {
+                if near.enter[slot] > TOLERANCE {
+                    continue;
+                }
+                let center = self.center(lane, number, slot);
+                let own = lane.inside.body;
+                if center == own.center && self.is_alone(&lane.inside) {
                     continue;
                 }
                 let word = self.shapes.blocks[number][slot];
                 let placement = Placement::of(ShapeWord::of_slot(word));
-                let center = self.center(lane, number, slot);
-                let ray = lane.ray_to(center, &placement);
                 let parts = &self.shapes.of(&placement).parts;
+                let point = placement.to_prototype(lane.origin + lane.direction * end - center);
                 for (at, part) in parts.iter().enumerate() {
                     let body = BodyPart { center, word, part: at as u16 };
-                    if body == lane.inside.body {
+                    if body == own || !may_hold(part, point) {
                         continue;
                     }
+                    let ray = lane.ray_to(center, &placement);
                     let Some(ends) = interval(part, &ray) else { continue };
                     let [enter, leave] = ends.map(|t| t * placement.radius);
                     let holds = enter <= end && end < leave;
@@ -114,11 +120,17 @@ impl ShapeFlight<'_> {
         best
     }
 
+    /// Whether no other body has the centre of the one that a path is in, as far as is known without looking.
+    #[inline(always)]
+    fn is_alone(&self, inside: &Inside) -> bool {
+        !self.shapes.concentric && self.shapes.of(&inside.placement).parts.len() == 1
+    }
+
     /// At an interface from within: out (`None`, as where the path is trapped), or reflected, standing on the
     /// part of the surface that is given, at the origin of a new stretch.
     #[inline(always)]
     fn turn(&mut self, index: usize) -> Option<u16> {
-        let (grid, shapes, eta) = (self.grid, self.shapes, self.eta);
+        let (shapes, eta, cells) = (self.shapes, self.eta, &self.cells);
         let lane = &mut self.lanes[index];
         let end = lane.inside.leave;
         lane.count_ice(end);
@@ -129,12 +141,12 @@ impl ShapeFlight<'_> {
         }
         let interface = Interface::new(lane.direction, -lane.outward(shapes), eta);
         if passes(lane, &interface) {
-            lane.begin_stretch(grid, end, interface.refracted);
+            lane.begin_stretch(cells, end, interface.refracted());
             lane.leaving = Some(lane.inside.body);
             self.go_on_in_air(index);
             return None;
         }
-        lane.begin_stretch(grid, end, interface.reflected);
+        lane.begin_stretch(cells, end, interface.reflected());
         lane.turns += 1;
         Some(lane.inside.through)
     }

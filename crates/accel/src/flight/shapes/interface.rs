@@ -2,15 +2,17 @@
 
 use snowgrain_math::DVec3;
 
-/// What becomes of light at an interface.
+/// Light at an interface: what passes, and where to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interface {
     /// Fraction that passes, of unpolarised light; 0 where all is reflected.
     pub(super) transmittance: f64,
-    /// Unit direction of what is reflected.
-    pub(super) reflected: DVec3,
-    /// Unit direction of what passes; without meaning where nothing does.
-    pub(super) refracted: DVec3,
+    direction: DVec3,
+    facing: DVec3,
+    ratio: f64,
+    /// Cosines of the angles on this side and beyond.
+    cosine: f64,
+    beyond: f64,
 }
 
 impl Interface {
@@ -20,18 +22,25 @@ impl Interface {
     #[inline(always)]
     pub(super) fn new(direction: DVec3, facing: DVec3, ratio: f64) -> Self {
         let cosine = (-direction.dot(facing)).clamp(0.0, 1.0);
-        let reflected = (direction + facing * (2.0 * cosine)).normalize();
         let beyond2 = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-        if beyond2 <= 0.0 {
-            return Self { transmittance: 0.0, reflected, refracted: direction };
-        }
-        let beyond = beyond2.sqrt();
+        let beyond = beyond2.max(0.0).sqrt();
         let across = (ratio * cosine - beyond) / (ratio * cosine + beyond);
         let along = (cosine - ratio * beyond) / (cosine + ratio * beyond);
-        Self {
-            transmittance: 1.0 - 0.5 * (across * across + along * along),
-            reflected,
-            refracted: (direction * ratio + facing * (ratio * cosine - beyond)).normalize(),
-        }
+        let passes = 1.0 - 0.5 * (across * across + along * along);
+        let transmittance = if beyond2 > 0.0 { passes } else { 0.0 };
+        Self { transmittance, direction, facing, ratio, cosine, beyond }
+    }
+
+    /// Unit direction of what is reflected.
+    #[inline(always)]
+    pub(super) fn reflected(&self) -> DVec3 {
+        (self.direction + self.facing * (2.0 * self.cosine)).normalize()
+    }
+
+    /// Unit direction of what passes; without meaning where nothing does.
+    #[inline(always)]
+    pub(super) fn refracted(&self) -> DVec3 {
+        let bend = self.ratio * self.cosine - self.beyond;
+        (self.direction * self.ratio + self.facing * bend).normalize()
     }
 }

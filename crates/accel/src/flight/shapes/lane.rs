@@ -60,6 +60,48 @@ impl Default for Inside {
     }
 }
 
+/// A grain that a stretch in air enters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    /// Where on the stretch.
+    pub(super) at: f64,
+    /// The same in radii, as the grain's interval says.
+    pub(super) at_radii: f64,
+    pub(super) body: BodyPart,
+    /// Block and slot of the grain.
+    pub(super) block: usize,
+    pub(super) slot: usize,
+}
+
+/// The cells of a grid, in doubles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cells {
+    pub(super) margin: f64,
+    pub(super) side: DVec3,
+    inverse_side: DVec3,
+    pub(super) counts: [i32; 3],
+    pub(super) periodic: [bool; 3],
+}
+
+impl Cells {
+    pub(super) fn of(grid: &GrainGrid) -> Self {
+        let side = DVec3::from_array(grid.side.map(f64::from));
+        Self {
+            margin: grid.margin.into(),
+            side,
+            inverse_side: side.recip(),
+            counts: grid.cells,
+            periodic: grid.periodic,
+        }
+    }
+
+    /// Cells from the one that `local` is told from to the one that holds it, along an axis.
+    #[inline(always)]
+    pub(super) fn steps(&self, local: DVec3, axis: usize) -> i32 {
+        ((local[axis] - self.margin) * self.inverse_side[axis]).floor() as i32
+    }
+}
+
 /// What the surfaces answered for this stretch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum SurfaceAnswer {
@@ -80,6 +122,7 @@ pub(super) struct Lane {
     pub(super) origin: DVec3,
     pub(super) home: [i32; 3],
     pub(super) direction: DVec3,
+    pub(super) inverse_direction: DVec3,
     /// How far the path has come on the stretch.
     pub(super) travelled: f64,
     /// Up to where the stretch is in the lengths already.
@@ -90,7 +133,11 @@ pub(super) struct Lane {
     /// Periods crossed along each axis since the path entered the grid.
     pub(super) periods: [i32; 3],
     pub(super) home_periods: [i32; 3],
+    /// What a cell holds, and which: the present one, unless the path has just moved on.
     pub(super) entry: CellEntry,
+    pub(super) entry_of: [i32; 3],
+    /// In air: the nearest of the grains whose bounding spheres the stretch has entered so far.
+    pub(super) nearest: Option<Entry>,
     /// In air: the part that the stretch left, which it cannot meet again (convexity).
     pub(super) leaving: Option<BodyPart>,
     /// Of a straight ray: centre of a grain that it does not meet.
@@ -119,6 +166,7 @@ impl Default for Lane {
             origin: DVec3::ZERO,
             home: [0; 3],
             direction: DVec3::X,
+            inverse_direction: DVec3::ONE,
             travelled: 0.0,
             counted: 0.0,
             cell: [0; 3],
@@ -126,6 +174,8 @@ impl Default for Lane {
             periods: [0; 3],
             home_periods: [0; 3],
             entry: CellEntry::EMPTY,
+            entry_of: [0; 3],
+            nearest: None,
             leaving: None,
             shadowless: None,
             inside: Inside::default(),
@@ -167,65 +217,72 @@ impl Lane {
     }
 
     /// The outward unit normal at the end of the chord.
+    #[inline(always)]
     pub(super) fn outward(&self, shapes: &GridShapes) -> DVec3 {
         let Inside { body, placement, leave, through, .. } = self.inside;
         let part = &shapes.of(&placement).parts[usize::from(body.part)];
-        let ray = self.ray_to(body.center, &placement);
-        let end = ray.origin + ray.direction * (leave / placement.radius);
-        let on = if through == NOWHERE { ELLIPSOID } else { through };
-        placement.rotation * super::body::normal(part, on, end)
+        let end = if through == ELLIPSOID {
+            let ray = self.ray_to(body.center, &placement);
+            ray.origin + ray.direction * (leave / placement.radius)
+        } else {
+            // All of a face has one normal.
+            DVec3::ZERO
+        };
+        placement.rotation * super::body::normal(part, through, end)
     }
 
     /// Goes to the cell that holds the point at `t` of the stretch, within the grid.
     #[inline(always)]
-    pub(super) fn seek_cell(&mut self, grid: &GrainGrid, t: f64) {
+    pub(super) fn seek_cell(&mut self, cells: &Cells, t: f64) {
         let local = self.local(t);
-        for axis in 0..3 {
-            let side = f64::from(grid.side[axis]);
-            let steps = ((local[axis] - f64::from(grid.margin)) / side).floor() as i32;
-            self.step_cells(grid, axis, steps);
+        let steps = [0, 1, 2].map(|axis| cells.steps(local, axis));
+        if steps != [0; 3] {
+            for (axis, steps) in steps.into_iter().enumerate() {
+                self.step_cells(cells, axis, steps);
+            }
+            self.stay_inside(cells);
         }
-        self.stay_inside(grid);
     }
 
     /// Moves by whole cells along an axis.
     #[inline(always)]
-    pub(super) fn step_cells(&mut self, grid: &GrainGrid, axis: usize, steps: i32) {
+    pub(super) fn step_cells(&mut self, cells: &Cells, axis: usize, steps: i32) {
         self.cell[axis] += steps;
-        self.offset[axis] += f64::from(steps) * f64::from(grid.side[axis]);
+        self.offset[axis] += f64::from(steps) * cells.side[axis];
     }
 
     /// Back into the first period, or to the nearest cell of the grid.
     #[inline(always)]
-    pub(super) fn stay_inside(&mut self, grid: &GrainGrid) {
+    pub(super) fn stay_inside(&mut self, cells: &Cells) {
         for axis in 0..3 {
-            let n = grid.cells[axis];
+            let n = cells.counts[axis];
             let cell = self.cell[axis];
             if (0..n).contains(&cell) {
                 continue;
             }
-            if grid.periodic[axis] {
+            if cells.periodic[axis] {
                 self.cell[axis] = cell.rem_euclid(n);
                 self.periods[axis] += cell.div_euclid(n);
             } else {
                 let steps = cell.clamp(0, n - 1) - cell;
-                self.step_cells(grid, axis, steps);
+                self.step_cells(cells, axis, steps);
             }
         }
     }
 
     /// Begins a stretch where this one is at `t`, along `direction`.
     #[inline(always)]
-    pub(super) fn begin_stretch(&mut self, grid: &GrainGrid, t: f64, direction: DVec3) {
-        self.seek_cell(grid, t);
+    pub(super) fn begin_stretch(&mut self, cells: &Cells, t: f64, direction: DVec3) {
+        self.seek_cell(cells, t);
         self.origin = self.local(t);
         self.inside.body.center -= self.offset;
         self.offset = DVec3::ZERO;
         self.home = self.cell;
         self.home_periods = self.periods;
         self.direction = direction;
+        self.inverse_direction = direction.recip();
         (self.travelled, self.counted) = (0.0, 0.0);
-        self.leaving = None;
+        (self.leaving, self.nearest) = (None, None);
         self.left_surface = None;
         self.surface = SurfaceAnswer::NotAsked;
     }

@@ -27,7 +27,7 @@ use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use body::NOWHERE;
 use fearless_simd::{Level, Simd, dispatch};
 use interface::Interface;
-use lane::{Inside, Lane, Phase};
+use lane::{Cells, Inside, Lane, Phase};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
 
@@ -45,6 +45,7 @@ pub(super) struct ShapeFlight<'a> {
     shapes: &'a GridShapes,
     surfaces: &'a Surfaces,
     eta: f64,
+    cells: Cells,
     lanes: Box<[Lane; LANES]>,
     events: Vec<(usize, FlightEvent)>,
     /// Arrivals at grains, where they are noted.
@@ -65,6 +66,7 @@ impl<'a> ShapeFlight<'a> {
             shapes,
             surfaces,
             eta,
+            cells: Cells::of(grid),
             lanes: Box::new([Lane::default(); LANES]),
             events: Vec::with_capacity(LANES),
             visits: None,
@@ -88,20 +90,19 @@ impl<'a> ShapeFlight<'a> {
         lane.periods = [0; 3];
         lane.offset = DVec3::ZERO;
         lane.origin = DVec3::from_array(place.local.map(f64::from));
-        lane.begin_stretch(self.grid, 0.0, direction);
+        lane.begin_stretch(&self.cells, 0.0, direction);
         lane.left_surface = excluded;
-        lane.entry = self.grid.fetchable_entry(lane.cell);
         self.go_on_in_air(index);
+        self.fetch_entries(index..index + 1);
     }
 
     pub(super) fn release(&mut self, index: usize, direction: DVec3, event: u32) {
-        let grid = self.grid;
         let lane = &mut self.lanes[index];
         lane.event = event;
-        lane.begin_stretch(grid, lane.inside.leave, direction);
+        lane.begin_stretch(&self.cells, lane.inside.leave, direction);
         lane.leaving = Some(lane.inside.body);
-        lane.entry = grid.fetchable_entry(lane.cell);
         self.go_on_in_air(index);
+        self.fetch_entries(index..index + 1);
     }
 
     /// Outward unit normal of the grain that the path of `lane` is in, at the end of its chord.
@@ -116,18 +117,18 @@ impl<'a> ShapeFlight<'a> {
         surface: SurfaceId,
         event: u32,
     ) {
-        let grid = self.grid;
         let lane = &mut self.lanes[index];
         lane.event = event;
-        lane.begin_stretch(grid, lane.travelled, direction);
+        lane.begin_stretch(&self.cells, lane.travelled, direction);
         lane.left_surface = Some(surface);
-        if lane.in_ice {
-            self.begin_chord(index, NOWHERE);
-        } else {
+        if !lane.in_ice {
             self.go_on_in_air(index);
+        } else if self.begin_chord(index, NOWHERE) {
+            let lane = &mut self.lanes[index];
+            lane.seek_cell(&self.cells, lane.inside.leave);
+            lane.phase = Phase::Ice;
         }
-        let lane = &mut self.lanes[index];
-        lane.entry = grid.fetchable_entry(lane.cell);
+        self.fetch_entries(index..index + 1);
     }
 
     pub(super) fn set_event(&mut self, lane: usize, event: u32) {
@@ -242,7 +243,7 @@ impl<'a> ShapeFlight<'a> {
                     match self.lanes[index].phase {
                         Phase::Still => continue,
                         Phase::Air => self.step_in_air(simd, index),
-                        Phase::Ice => self.step_in_ice(simd, index),
+                        Phase::Ice => self.go_on_in_ice(simd, index, None),
                     }
                     flying = true;
                     self.prefetch_entry(index);
@@ -272,10 +273,13 @@ impl<'a> ShapeFlight<'a> {
         for lane in &mut self.lanes[lanes] {
             if lane.phase != Phase::Still {
                 lane.entry = self.grid.entry(lane.cell);
+                lane.entry_of = lane.cell;
                 self.grid.prefetch_blocks(lane.entry);
-                let words = &self.shapes.blocks[lane.entry.first_block()];
-                prefetch(&words[0]);
-                prefetch(&words[8]);
+                for number in lane.entry.blocks() {
+                    let words = &self.shapes.blocks[number];
+                    prefetch(&words[0]);
+                    prefetch(&words[8]);
+                }
             }
         }
     }

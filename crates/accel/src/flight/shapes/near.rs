@@ -5,16 +5,19 @@ use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u16x16};
 
+/// How far, quanta, single precision may move the end of a chord of a sphere that is 2 quanta larger than a body
+/// that the line meets: so near to the rim, 5e-2 across the line are less than 4 along it.
+pub(super) const TOLERANCE: f32 = 8.0;
+
 /// Grains whose bounding spheres a line meets.
 pub(super) struct Near {
     /// A bit for each slot.
     pub(super) slots: u32,
-    /// From the point to where the line enters and leaves each sphere, quanta, to less than 1.
+    /// From the point to where the line enters each sphere, quanta, to [`TOLERANCE`].
     pub(super) enter: [f32; 16],
-    pub(super) leave: [f32; 16],
 }
 
-/// The line through `position` (cell quanta) along `direction`, from about 1 quantum before the position on.
+/// The line through `position` (cell quanta) along `direction`, from a little before the position on.
 #[inline(always)]
 pub(super) fn near<S: Simd>(
     simd: S,
@@ -36,9 +39,8 @@ pub(super) fn near<S: Simd>(
     let met = inside.simd_gt(zero);
     let half = met.select(inside, zero).sqrt();
     let (enter, leave) = (middle - half, middle + half);
-    let ahead = met & leave.simd_gt(splat(-1.0));
-    let mut near = Near { slots: ahead.to_bitmask() as u32, enter: [0.0; 16], leave: [0.0; 16] };
+    let ahead = met & leave.simd_gt(splat(-TOLERANCE));
+    let mut near = Near { slots: ahead.to_bitmask() as u32, enter: [0.0; 16] };
     enter.store_slice(&mut near.enter);
-    leave.store_slice(&mut near.leave);
     near
 }

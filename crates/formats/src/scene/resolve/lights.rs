@@ -130,15 +130,21 @@ fn refuse_points(checks: &Checks<'_>, lights: &[LightDescription]) -> Result<(),
     Err(checks.bad("integrator.light", mend))
 }
 
-/// How lights are found.
+/// How lights are found; never looked for where grains have shapes.
 pub(super) fn finding(
     checks: &Checks<'_>,
     lights: &[LightDescription],
+    is_shaped: bool,
 ) -> Result<LightFinding, SceneError> {
     let table = &checks.document().integrator;
     let sought = match table.light {
-        LightFindingName::Auto if lights.iter().all(LightDescription::is_sky) => None,
+        LightFindingName::Auto if is_shaped || lights.iter().all(LightDescription::is_sky) => None,
         LightFindingName::Exact => None,
+        LightFindingName::Sampled | LightFindingName::AllSampled if is_shaped => {
+            let mend = "light cannot be looked for among grains of other shapes than spheres yet; leave \
+                        this out or write \"exact\", which finds a sun or lamp by chance";
+            return Err(checks.misplaced("integrator.light", mend));
+        }
         LightFindingName::Auto | LightFindingName::Sampled => Some(Sought::NotSkies),
         LightFindingName::AllSampled => Some(Sought::All),
     };
