@@ -4,6 +4,7 @@ mod figure;
 mod look;
 mod program;
 mod report;
+mod sections;
 mod table;
 mod validate;
 
