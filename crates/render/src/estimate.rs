@@ -2,13 +2,13 @@
 
 use crate::camera::Camera;
 use crate::description::{
-    LightDescription, LightKind, ObjectDescription, ObjectShape, Packing, SceneDescription,
-    SnowDescription,
+    DirectView, LightDescription, LightKind, ObjectDescription, ObjectShape, Packing,
+    SceneDescription, SnowDescription,
 };
 use crate::light::slots_of;
 use crate::scene;
 use core::f64::consts::PI;
-use snowgrain_film::{IcePathLayout, PixelRect, PixelSums};
+use snowgrain_film::{IcePathLayout, PixelRect, PixelSums, ShadowSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
 use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeCell, LatticeSettings,
@@ -38,6 +38,8 @@ const BYTES_PER_TRIANGLE: f64 = 180.0;
 const BYTES_PER_PLACED_TRIANGLE: f64 = size_of::<[[f32; 2]; 3]>() as f64;
 /// Bytes an object: itself, its place and what finds it.
 const BYTES_PER_OBJECT: f64 = 1024.0;
+/// Bytes a pixel of what shadow catchers show.
+const SHADOW_BYTES: u64 = size_of::<ShadowSums>() as u64;
 /// Bytes a pixel beside the sums: layers, and their encoding.
 const PICTURE_BYTES_PER_PIXEL: u64 = 180;
 /// Films alive at once: the film and the pass that is being added to it.
@@ -72,6 +74,8 @@ pub struct CostEstimate {
     pub surface_bytes: u64,
     /// Memory of film and picture, bytes.
     pub film_bytes: u64,
+    /// Of it, one copy of the sums, bytes; a film file is about as long.
+    pub sums_bytes: u64,
     /// Processor seconds to make the snow.
     pub build_seconds: f64,
     /// Processor seconds to render.
@@ -122,7 +126,8 @@ impl CostEstimate {
             cost.building_bytes = cost.building_bytes.saturating_add(noted);
         }
         let kept = PixelSums::BYTES as u64 + Self::kept_bytes(description);
-        cost.film_bytes = crop.area() * (FILMS * kept + PICTURE_BYTES_PER_PIXEL);
+        cost.sums_bytes = crop.area() * kept;
+        cost.film_bytes = FILMS * cost.sums_bytes + crop.area() * PICTURE_BYTES_PER_PIXEL;
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
         cost
@@ -133,11 +138,18 @@ impl CostEstimate {
         let slots = slots_of(&description.lights, description.camera.backdrop);
         // Layers that a film cannot have are refused when the scene is built.
         let layers = scene::light_layers(description, &slots).ok().flatten();
-        let layers = layers.map_or(0, |layers| layers.bytes());
+        let catches = |object: &ObjectDescription| object.direct_view == DirectView::ShadowCatcher;
+        let shadows = if description.objects.iter().any(catches) { SHADOW_BYTES } else { 0 };
+        let layers = layers.map_or(0, |layers| layers.bytes()) + shadows;
         if !description.film.keep_ice_paths {
             return layers;
         }
         layers + IcePathLayout::for_radiance(slots.len() as u32, 1.0).bytes()
+    }
+
+    /// Counts so many more copies of the sums.
+    pub fn add_films(&mut self, films: u64) {
+        self.film_bytes = self.film_bytes.saturating_add(films.saturating_mul(self.sums_bytes));
     }
 
     /// The memory of so many grains that fall and are packed, whatever lies around them.
@@ -161,7 +173,14 @@ impl CostEstimate {
     pub fn of_fall(description: &SceneDescription) -> Self {
         let all = Self::of(description, PixelRect::new(0, 0, 1, 1));
         let building_bytes = (all.grains as f64 * FALL_BYTES_PER_GRAIN) as u64;
-        Self { grain_bytes: 0, building_bytes, film_bytes: 0, render_seconds: 0.0, ..all }
+        Self {
+            grain_bytes: 0,
+            building_bytes,
+            film_bytes: 0,
+            sums_bytes: 0,
+            render_seconds: 0.0,
+            ..all
+        }
     }
 
     /// The table of bricks of cells, and the entries of those that hold grains: for snow that is
@@ -346,8 +365,8 @@ fn map_bytes(light: &LightDescription) -> u64 {
 mod tests {
     use super::*;
     use crate::description::{
-        CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-        LightFinding, LightKind, Projection, Surface,
+        CameraDescription, DirectView, FilmDescription, IceDescription, IntegratorKind,
+        LightDescription, LightFinding, LightKind, Projection, Surface,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -383,7 +402,7 @@ mod tests {
             name: "table".into(),
             shape: ObjectShape::Box,
             surface: Surface::diffuse([0.5; 3]),
-            is_holdout: false,
+            direct_view: DirectView::Seen,
             transform: DAffine3::from_scale(DVec3::new(0.05, 0.01, 0.05)),
         }
     }

@@ -280,6 +280,10 @@ fn half_white() -> Vec<u8> {
 
 /// The square with a picture on it, placed by coordinates if wanted.
 fn textured(bytes: &[u8], placed: bool) -> ImportedScene {
+    read(&textured_square(bytes, placed)).unwrap()
+}
+
+fn textured_square(bytes: &[u8], placed: bool) -> Value {
     let data =
         |bytes: &[u8]| base64::Engine::encode(&base64::engine::general_purpose::STANDARD, bytes);
     let mut document = square();
@@ -309,7 +313,33 @@ fn textured(bytes: &[u8], placed: bool) -> ImportedScene {
         );
         document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = accessor.into();
     }
-    read(&document).unwrap()
+    document
+}
+
+/// A quarter turn counter-clockwise in the picture takes what lay to the right up; offsets go to the right
+/// and down.
+#[test]
+fn textures_are_scaled_then_turned_then_moved() {
+    let read_moved = |transform: Value| {
+        let mut document = textured_square(&half_white(), true);
+        let texture = &mut document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+        texture["extensions"]["KHR_texture_transform"] = transform;
+        read(&document)
+    };
+    let moved = |transform: Value| {
+        let scene = read_moved(transform).unwrap();
+        assert_eq!(scene.ignored, None);
+        // Of the vertex whose coordinates are (1, 0): the right upper corner of the picture.
+        scene.objects[0].mesh.coordinates[0][2].map(|x| (f64::from(x) * 1e6).round() / 1e6)
+    };
+    assert_eq!(moved(json!({})), [1.0, 1.0]);
+    assert_eq!(moved(json!({ "offset": [0.25, 0.5] })), [1.25, 0.5]);
+    assert_eq!(moved(json!({ "scale": [0.5, 3] })), [0.5, 1.0]);
+    let turned =
+        json!({ "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, 3], "offset": [0.1, 0] });
+    assert_eq!(moved(turned), [0.1, 1.5]);
+    let far = read_moved(json!({ "offset": [1e300, 0] })).unwrap_err().to_string();
+    assert!(far.contains("not a finite number"), "{far}");
 }
 
 #[test]
