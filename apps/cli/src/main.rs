@@ -3,6 +3,7 @@
 mod arguments;
 mod budget;
 mod command;
+mod disk;
 mod failure;
 mod load;
 mod output;
