@@ -24,6 +24,8 @@ mod film_file;
 mod folder;
 mod gltf;
 mod grains;
+#[cfg(test)]
+mod hostile_tests;
 pub mod image;
 mod input;
 pub mod laboratory;

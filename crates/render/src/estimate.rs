@@ -2,11 +2,12 @@
 
 use crate::camera::Camera;
 use crate::description::{
-    DirectView, LightDescription, LightKind, ObjectDescription, ObjectShape, Packing,
+    DirectView, LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, Packing,
     SceneDescription, SnowDescription,
 };
 use crate::light::slots_of;
 use crate::scene;
+use crate::transport::seek::calibrate;
 use core::f64::consts::PI;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums, ShadowSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
@@ -57,6 +58,9 @@ const SECONDS_PER_PACKED_GRAIN: f64 = 0.6e-6;
 /// Seconds of a processor to follow a path that meets the box of the scene (measured on the built-in
 /// scenes, order of magnitude: it depends on how deep light goes).
 const SECONDS_PER_PATH: f64 = 12e-6;
+/// How much longer a path takes where light is looked for on the way: 2.3 and 2.8 times on the built-in scenes
+/// (`docs/performance.md`).
+const SEARCHED_OVER_EXACT: f64 = 2.5;
 /// Pixels across and down that are asked whether they see the scene.
 const PROBES: u32 = 48;
 
@@ -76,7 +80,7 @@ pub struct CostEstimate {
     pub film_bytes: u64,
     /// Of it, one copy of the sums, bytes; a film file is about as long.
     pub sums_bytes: u64,
-    /// Processor seconds to make the snow.
+    /// Processor seconds to make the snow, and to measure the search for light.
     pub build_seconds: f64,
     /// Processor seconds to render.
     pub render_seconds: f64,
@@ -130,6 +134,10 @@ impl CostEstimate {
         cost.film_bytes = FILMS * cost.sums_bytes + crop.area() * PICTURE_BYTES_PER_PIXEL;
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
+        if description.light_finding != LightFinding::Exact {
+            cost.render_seconds *= SEARCHED_OVER_EXACT;
+            cost.build_seconds += calibrate::PATHS as f64 * SECONDS_PER_PATH;
+        }
         cost
     }
 
@@ -365,8 +373,8 @@ fn map_bytes(light: &LightDescription) -> u64 {
 mod tests {
     use super::*;
     use crate::description::{
-        CameraDescription, DirectView, FilmDescription, IceDescription, IntegratorKind,
-        LightDescription, LightFinding, LightKind, Projection, Surface,
+        CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
+        LightKind, Projection, Surface,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -436,6 +444,18 @@ mod tests {
             let each = built.grain_bytes as f64 / built.grains as f64;
             assert!(each < 2.0 * FAST_BYTES_PER_GRAIN, "{rule:?}: {each} bytes a grain");
         }
+    }
+
+    #[test]
+    fn light_that_is_looked_for_is_measured_before_and_takes_longer() {
+        let fallen = fall(Amount::Grains(1000), DepositRule::Ray);
+        let mut snow = scene(vec![table()], vec![fallen]);
+        let exact = CostEstimate::of(&snow, CROP);
+        snow.light_finding = LightFinding::Sampled;
+        let searched = CostEstimate::of(&snow, CROP);
+        let seconds = searched.build_seconds - exact.build_seconds;
+        assert!((1.0..6.0).contains(&seconds), "{seconds} s for the measurement");
+        assert_eq!(searched.render_seconds, SEARCHED_OVER_EXACT * exact.render_seconds);
     }
 
     #[test]

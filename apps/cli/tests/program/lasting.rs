@@ -127,3 +127,43 @@ fn a_render_that_is_killed_again_and_again_ends_with_the_bytes_of_one_that_is_no
     assert_eq!(place.bytes("a.film"), place.bytes("whole.film"));
     assert_eq!(place.names(), ["a.film", "whole.film"]);
 }
+
+#[test]
+fn a_job_is_done_task_by_task_and_tells_what_is_missing() {
+    let place = Workplace::new();
+    let scene = place.succeed(&["scenes", "snowy-teapot", "--print"]).stdout;
+    let animate =
+        "[[animate]]\nkey = \"camera.vertical_fov\"\nframes = [1, 2]\nvalues = [20, 30]\n";
+    place.file("scene.toml", format!("{scene}\n{animate}"));
+    place.file("sweep.toml", "snow.seed = [1, 2]\n");
+    let small = ["--size", "16x16", "--set", "snow.grains=500", "--set", "snow.radius=4mm"];
+    let plan = ["job", "plan", "scene.toml", "--samples", "5", "--per-task", "3", "-o", "job.json"];
+    let more = ["--sweep", "sweep.toml", "--frames", "1-2"];
+    let said = place.succeed(&[&plan[..], &small, &more].concat()).stderr;
+    assert!(said.contains("tasks 0 to 7"), "{said}");
+    let status = || place.run(&["job", "status", "job.json"]);
+    assert_eq!((status().code, status().stdout.lines().count()), (Some(75), 8));
+    for task in (0..8).rev() {
+        place.succeed(&["job", "run", "job.json", "--task", &task.to_string(), "--quiet"]);
+    }
+    let said = place.succeed(&["job", "run", "job.json", "--task", "3"]).stderr;
+    assert!(said.contains("nothing is traced"), "{said}");
+    let (ended, parts) = (status(), place.path("job-parts"));
+    assert_eq!((ended.code, ended.stdout.as_str()), (Some(0), ""));
+    // The second point at frame 2.
+    let part = |first: u64| format!("job-parts/p00001-f00002-s{first:010}.film");
+    place.succeed(&["merge", &part(0), &part(3), "--require", "0..5", "-o", "m.film"]);
+    let whole = ["render", "scene.toml", "--set", "snow.seed=2", "--spp", "5", "--frame", "2"];
+    let quiet = ["--quiet", "-o", "w.##.film"];
+    place.succeed(&[&whole[..], &small, &quiet].concat());
+    assert_eq!(place.bytes("w.02.film"), place.bytes("m.film"));
+    std::fs::remove_file(parts.join("p00000-f00001-s0000000003.film")).unwrap();
+    std::fs::write(parts.join("p00000-f00002-s0000000000.film"), "damaged").unwrap();
+    let ended = status();
+    assert_eq!(ended.code, Some(75));
+    for said in ["task 1: point 0 frame 1 samples 3..5 missing", "task 2: point 0 frame 2"] {
+        assert!(ended.stdout.contains(said), "{}", ended.stdout);
+    }
+    assert_eq!(place.run(&["job", "run", "job.json", "--task", "8"]).code, Some(2));
+    assert_eq!(place.run(&[&whole[..5], &["-o", "x.####.png"]].concat()).code, Some(2));
+}

@@ -24,7 +24,7 @@ use snowgrain_optics::sphere::Impact;
 use snowgrain_optics::{Dielectric, fresnel};
 
 /// Paths that are followed.
-const PATHS: u64 = 1 << 18;
+pub(crate) const PATHS: u64 = 1 << 18;
 /// Paths of one task.
 const TASK: u64 = 1 << 11;
 /// What tells their random numbers from those of the picture.

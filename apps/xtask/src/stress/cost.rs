@@ -1,0 +1,45 @@
+//! What checkpoints cost.
+
+use super::Bench;
+use anyhow::{Context as _, Result, ensure};
+use serde_json::Value;
+
+/// Most that a checkpoint every ten seconds may take of the speed.
+const MOST: f64 = 0.02;
+
+/// Samples a second of processor time, and most memory, of a render of so many seconds.
+fn run(bench: &Bench, seconds: u64, more: &[&str]) -> Result<(f64, f64)> {
+    let limit = format!("{seconds}s");
+    let film = bench.path("cost.film");
+    let ordinary = [
+        "--spp",
+        "4000000000",
+        "--time-limit",
+        &limit,
+        "--json-stats",
+        "cost.json",
+        "-o",
+        "cost.film",
+    ];
+    bench.render(&[&ordinary[..], more].concat())?;
+    let figures: Value = serde_json::from_slice(&std::fs::read(bench.path("cost.json"))?)?;
+    let number = |name: &str| figures[name].as_f64().with_context(|| format!("no {name}"));
+    std::fs::remove_file(film)?;
+    Ok((number("samples")? / number("render_cpu_seconds")?, number("peak_rss_bytes")?))
+}
+
+pub(super) fn checkpoints(bench: &Bench, seconds: u64) -> Result<String> {
+    let (plain, _) = run(bench, seconds, &[])?;
+    let (saving, short) = run(bench, seconds, &["--checkpoint-every", "10s"])?;
+    let (_, long) = run(bench, seconds.div_ceil(3), &["--checkpoint-every", "10s"])?;
+    let lost = 1.0 - saving / plain;
+    ensure!(lost < MOST, "a checkpoint every 10 s takes {:.2} % of the speed", 100.0 * lost);
+    Ok(format!(
+        "{plain:.0} samples a CPU second without, {saving:.0} with one every 10 s ({:+.2} %); peak memory \
+         {:.1} MB after {seconds} s, {:.1} MB after {} s",
+        -100.0 * lost,
+        short / 1e6,
+        long / 1e6,
+        seconds.div_ceil(3),
+    ))
+}
