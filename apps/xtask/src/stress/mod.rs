@@ -31,11 +31,11 @@ pub(crate) struct Options {
     inputs: u64,
 }
 
-/// A render of snow that would take days; 37 MB of film.
+/// A render of snow that would take days; 19 MB of film.
 const SNOW: [&str; 8] = [
     "snowy-teapot",
     "--size",
-    "420x420",
+    "300x300",
     "--set",
     "snow.grains=2000",
     "--set",

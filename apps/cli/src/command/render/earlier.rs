@@ -2,7 +2,7 @@
 
 use crate::arguments::{PictureFormat, RenderArguments};
 use crate::failure::Failure;
-use snowgrain_film::{Film, PixelRect};
+use snowgrain_film::{BlockCounts, Film, PixelRect};
 use snowgrain_formats::read_film;
 use snowgrain_render::description::SceneDescription;
 use snowgrain_render::recipe;
@@ -73,6 +73,7 @@ impl Request {
             ))
             .of(&name)),
             Some(_) => Ok(None),
+            None if !arguments.resume && is_all_that_blocks_want(&film) => Ok(None),
             None if arguments.resume || self.is_finished(&film) => Ok(Some(film)),
             None => Err(Failure::usage(format!(
                 "there is an unfinished film of this render (samples {} of {}..{}); --resume goes on with \
@@ -83,6 +84,18 @@ impl Request {
             ))
             .of(&name)),
         }
+    }
+
+    /// Refuses a film whose blocks were to have other counts of samples than those that were found.
+    ///
+    /// # Errors
+    /// Other counts.
+    pub(super) fn check_counts(film: &Film, counts: Option<&BlockCounts>) -> Result<(), Failure> {
+        if film.block_counts() == counts {
+            return Ok(());
+        }
+        let what = "this cannot be resumed: its blocks were to have other numbers of samples (another --spp)";
+        Err(Failure::bad_input(what))
     }
 
     /// Whether nothing is missing, as far as that is known before blocks are counted.
@@ -105,7 +118,7 @@ impl Request {
                 "it is of another scene or seed, or of another version of Snowgrain".into(),
             );
         }
-        let target = film.block_counts().map(snowgrain_film::BlockCounts::relative_error);
+        let target = film.block_counts().map(BlockCounts::relative_error);
         if target != self.noise_target {
             let said = |target: Option<f64>| target.map_or("none".into(), |x| x.to_string());
             let (theirs, ours) = (said(target), said(self.noise_target));
@@ -119,4 +132,12 @@ impl Request {
             format!("it holds samples {}..{}, outside {start}..{end}", held.start, held.end)
         })
     }
+}
+
+/// Whether each block of a film with a noise target has its samples: such a film is rendered again, as only a pilot
+/// tells how many are wanted.
+fn is_all_that_blocks_want(film: &Film) -> bool {
+    film.block_counts().is_some_and(|counts| {
+        film.samples().missing_from(0..u64::from(counts.greatest())).is_empty()
+    })
 }

@@ -1,6 +1,7 @@
 //! A picture while it is rendered, and what is written of it.
 
 use super::checkpoints::Checkpoints;
+use super::earlier::Request;
 use super::noise::Plan;
 use crate::arguments::RenderArguments;
 use crate::command::denoise::denoised;
@@ -63,6 +64,10 @@ impl Task<'_> {
         interrupts: &Interrupts,
         progress: &Progress,
     ) -> Result<(Outcome, Spent), Failure> {
+        if let Some(film) = &earlier {
+            let counts = self.plan.as_ref().map(Plan::counts);
+            Request::check_counts(film, counts)?;
+        }
         let samples_done = AtomicU64::new(0);
         let missing = match &earlier {
             Some(film) => film.samples().missing_from(self.wanted()),
