@@ -29,7 +29,9 @@ pub(crate) use develop::DevelopArguments;
 pub(crate) use display::{Bits, DisplayArguments};
 pub(crate) use groups::GroupFactor;
 pub(crate) use job::{JobArguments, JobKind, PlanArguments, RunArguments, StatusArguments};
-pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
+pub(crate) use measure::{
+    CubeArguments, LightSearchArguments, MeasureArguments, MeasureKind, Side, SlabArguments,
+};
 pub(crate) use merge::MergeArguments;
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,

@@ -7,7 +7,6 @@ use crate::description::{
 };
 use crate::light::slots_of;
 use crate::scene;
-use crate::transport::seek::calibrate;
 use core::f64::consts::PI;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums, ShadowSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
@@ -134,9 +133,11 @@ impl CostEstimate {
         cost.film_bytes = FILMS * cost.sums_bytes + crop.area() * PICTURE_BYTES_PER_PIXEL;
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
-        if description.light_finding != LightFinding::Exact {
+        if let LightFinding::Sampled(settings) = description.light_finding {
             cost.render_seconds *= SEARCHED_OVER_EXACT;
-            cost.build_seconds += calibrate::PATHS as f64 * SECONDS_PER_PATH;
+            if cost.grains > 0 {
+                cost.build_seconds += settings.calibration_paths as f64 * SECONDS_PER_PATH;
+            }
         }
         cost
     }
@@ -374,7 +375,7 @@ mod tests {
     use super::*;
     use crate::description::{
         CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-        LightKind, Projection, Surface,
+        LightKind, Projection, SearchSettings, Sought, Surface,
     };
     use crate::{Scene, Strata};
     use snowgrain_grains::{LatticeKind, Radii};
@@ -451,10 +452,11 @@ mod tests {
         let fallen = fall(Amount::Grains(1000), DepositRule::Ray);
         let mut snow = scene(vec![table()], vec![fallen]);
         let exact = CostEstimate::of(&snow, CROP);
-        snow.light_finding = LightFinding::Sampled;
+        let settings = SearchSettings::of(Sought::NotSkies);
+        snow.light_finding = LightFinding::Sampled(settings);
         let searched = CostEstimate::of(&snow, CROP);
         let seconds = searched.build_seconds - exact.build_seconds;
-        assert!((1.0..6.0).contains(&seconds), "{seconds} s for the measurement");
+        assert!((4.0..30.0).contains(&seconds), "{seconds} s for the measurement");
         assert_eq!(searched.render_seconds, SEARCHED_OVER_EXACT * exact.render_seconds);
     }
 

@@ -6,7 +6,7 @@ use snowgrain_film::{CaughtLight, Film, Layer, Picture};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_render::description::{
     DirectView, LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape,
-    SceneDescription, Surface,
+    SceneDescription, SearchSettings, Sought, Surface,
 };
 use snowgrain_render::light::direction_of;
 use snowgrain_render::surface::Reflectance;
@@ -60,10 +60,13 @@ fn light_is_as_bright_however_it_is_found() {
             inside
         }),
     ] {
-        let found = [LightFinding::Exact, LightFinding::Sampled].map(|finding| {
-            description.light_finding = finding;
-            mean(&film(&description, 512))
-        });
+        let found =
+            [LightFinding::Exact, LightFinding::Sampled(SearchSettings::of(Sought::NotSkies))].map(
+                |finding| {
+                    description.light_finding = finding;
+                    mean(&film(&description, 512))
+                },
+            );
         let [exact, sampled] = found;
         println!("{name}: {exact:?} {sampled:?}");
         assert!(exact.mean > 0.0 && exact.standard_error < 0.05 * exact.mean, "{name}");
@@ -76,7 +79,9 @@ fn light_is_as_bright_however_it_is_found() {
 #[test]
 fn a_mirror_shows_the_sun_whether_or_not_it_is_looked_for() {
     let mut description = ground_of(metal(0.8, 0.0), vec![sun(90.0)]);
-    for finding in [LightFinding::Exact, LightFinding::Sampled] {
+    for finding in
+        [LightFinding::Exact, LightFinding::Sampled(SearchSettings::of(Sought::NotSkies))]
+    {
         description.light_finding = finding;
         assert_agrees("mirror", mean(&film(&description, 4)), 4.0, 1e-4);
     }
@@ -121,12 +126,13 @@ fn caught(film: &Film) -> Vec<CaughtLight> {
 /// A ball over ground, both with lamps and in the sun, however light is found.
 #[test]
 fn a_shadow_catcher_knows_what_it_would_show_alone_to_the_last_bit() {
+    let sampled = SearchSettings::of(Sought::NotSkies);
     let lamp = LightKind::Sphere { center: DVec3::new(0.1, 0.3, 0.0), radius: 0.05 };
     for (light, finding) in [
         (sun(60.0), LightFinding::Exact),
-        (sun(60.0), LightFinding::Sampled),
+        (sun(60.0), LightFinding::Sampled(sampled)),
         (LightDescription::new(LightKind::Sky, [1.0, 0.5, 0.25]), LightFinding::Exact),
-        (LightDescription::new(lamp, [4.0; 3]), LightFinding::Sampled),
+        (LightDescription::new(lamp, [4.0; 3]), LightFinding::Sampled(sampled)),
     ] {
         let mut description = ball(Surface::diffuse([0.2, 0.5, 0.8]), vec![light]);
         description.camera.from = DVec3::new(0.0, 0.4, 0.3);
