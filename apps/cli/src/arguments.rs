@@ -102,7 +102,7 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "LENGTH", value_parser = values::length)]
     pub(crate) object_size: Option<f64>,
 
-    /// Renders the scene at this frame: keys of [[animate]] have their values there, and #### in names of
+    /// Renders the scene at this frame: keys of `animate` have their values there, and #### in names of
     /// files (-o render.####.exr) becomes its number
     #[arg(long, value_name = "N")]
     pub(crate) frame: Option<u32>,

@@ -5,7 +5,7 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_film::Film;
 use snowgrain_math::sampler::split_mix;
 use snowgrain_render::{RenderControl, RenderSettings, render_with};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
@@ -67,7 +67,7 @@ fn a_snapshot_is_the_film_of_the_samples_that_it_says() {
         let settings = RenderSettings { samples: 2..50, crop: whole(&scene), level };
         let (rendered, snapshots) = render_with(&scene, &settings, |rendering| {
             assert!(rendering.snapshot().unwrap().is_none(), "nothing is rendered yet");
-            let mut snapshots: HashMap<u64, Film> = HashMap::new();
+            let mut snapshots: BTreeMap<u64, Film> = BTreeMap::new();
             std::thread::scope(|scope| {
                 let running = scope.spawn(|| rendering.run(&control));
                 while !running.is_finished() {

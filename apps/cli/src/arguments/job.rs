@@ -47,7 +47,7 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) sweep: Option<PathBuf>,
 
-    /// Frames to be rendered, as 1-48; see [[animate]]
+    /// Frames to be rendered, as 1-48, of a scene with keys of `animate`
     #[arg(long, value_name = "FIRST-LAST", value_parser = values::frames)]
     pub(crate) frames: Option<RangeInclusive<u32>>,
 
