@@ -8,14 +8,22 @@ use crate::{
 };
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-fn corpus() -> Vec<PathBuf> {
+/// The files.
+static CORPUS: LazyLock<Vec<PathBuf>> = LazyLock::new(|| {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/hostile");
     let mut files: Vec<_> =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     files
-}
+});
+
+/// Name and content of short ones, of which a change may well touch what counts.
+static SHORT: LazyLock<Vec<(PathBuf, Vec<u8>)>> = LazyLock::new(|| {
+    let files = CORPUS.iter().map(|path| (path.clone(), std::fs::read(path).unwrap()));
+    files.filter(|(_, bytes)| bytes.len() < 20_000).collect()
+});
 
 /// Gives a file to the readers of its kind.
 fn survive(path: &Path) {
@@ -51,7 +59,7 @@ fn survive(path: &Path) {
 
 #[test]
 fn hostile_files_are_answered_by_every_reader() {
-    corpus().iter().for_each(|path| survive(path));
+    CORPUS.iter().for_each(|path| survive(path));
 }
 
 proptest! {
@@ -64,11 +72,7 @@ proptest! {
         cut in any::<prop::sample::Index>(),
         is_cut in any::<bool>(),
     ) {
-        // Short ones, of which a change may well touch what counts.
-        let short = |path: &PathBuf| path.metadata().is_ok_and(|file| file.len() < 20_000);
-        let files: Vec<_> = corpus().into_iter().filter(short).collect();
-        let path = which.get(&files);
-        let mut bytes = std::fs::read(path).unwrap();
+        let (path, mut bytes) = which.get(&SHORT).clone();
         if !bytes.is_empty() {
             for (at, value) in changes {
                 let at = at.index(bytes.len());
