@@ -2,9 +2,10 @@
 
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
+use crate::catchers;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
-use crate::scene_hash::{GrainDigest, hash_scene};
+use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
@@ -80,10 +81,14 @@ pub struct Scene {
     pub strata_colours: Vec<StrataColour>,
     /// How light is looked for; `None` where it is only met.
     pub search: Option<LightSearch>,
+    /// The shadow catchers and the lights alone, where there are shadow catchers.
+    pub catchers_alone: Option<Box<Self>>,
     /// Size and sampling of the picture.
     pub film: crate::description::FilmDescription,
     /// Digest of all content that decides the pixels but the seed and the samples.
     pub hash: [u8; 32],
+    /// Digest of what was asked for ([`crate::recipe`]).
+    pub recipe: [u8; 32],
     /// What the build made.
     pub report: BuildReport,
 }
@@ -155,12 +160,22 @@ impl Scene {
                 Some(search.calibrated((&world, &camera), paths, film.seed, level))
             }
         };
+        let catchers_alone = match catchers::alone(description) {
+            None => None,
+            Some(alone) => {
+                let alone = Self::build_at(&alone, level, &mut |_| {})?;
+                let (camera, light_layers) = (camera.clone(), None);
+                Some(Box::new(Self { camera, light_layers, glint_layer: None, ..alone }))
+            }
+        };
         Ok(Self {
             hash: hash_scene(description, &digest),
+            recipe: recipe(description),
             world,
             camera,
             lights,
             search,
+            catchers_alone,
             light_layers,
             glint_layer,
             colours: grade.colours(),
@@ -187,7 +202,7 @@ fn materials(description: &SceneDescription, lit: &LitSurfaces) -> Vec<Material>
     objects
         .map(|(object, place)| {
             let material = Material::new(object.surface.clone(), place, surroundings);
-            material.held_out(object.is_holdout)
+            material.seen_as(object.direct_view)
         })
         .collect()
 }
