@@ -6,7 +6,7 @@ mod connections;
 mod fractions;
 
 pub use columns::solid_fractions_along_lines;
-pub use connections::{Connections, TOUCH_TOLERANCE_QUANTA, connections};
+pub use connections::{Connections, TOUCH_TOLERANCE_QUANTA, connections, connections_of_pack};
 pub use fractions::{
     Estimate, Slab, mean_surface_height, nominal_solid_fraction, solid_fraction_profile,
     union_solid_fraction,

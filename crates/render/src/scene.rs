@@ -399,7 +399,7 @@ fn check_sizes(
 ) -> Result<(), RenderError> {
     for (index, snow) in description.snow.iter().enumerate() {
         let mean = match snow {
-            SnowDescription::Deposit(settings) => settings.radii.mean,
+            SnowDescription::Deposit(settings) => settings.radii.mean(),
             SnowDescription::Lattice(settings) => settings.radius,
             SnowDescription::Grains(_) => continue,
         };

@@ -15,6 +15,7 @@ use super::rules::{Drop, Fate, center};
 use crate::GrainsError;
 use snowgrain_accel::{Fall, GrainSlot, SphereContact};
 use snowgrain_geometry::QuantisedGrain;
+use snowgrain_math::sampler::{PathKey, pcg3d};
 use snowgrain_math::{DVec3, trig};
 
 /// Turns (contacts, releases and falls) after which a grain is left where it is.
@@ -23,6 +24,32 @@ const MOST_TURNS: u32 = 400;
 const SPEED_MARGIN: f64 = 1e-9;
 /// Quanta by which a grain may already overlap one that it does not count as touching.
 const TOUCH_MARGIN: f64 = 1e-6;
+
+/// A sphere that falls and rolls; quanta.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RollingSphere {
+    /// Its radius where it meets the ground.
+    pub(super) to_ground: f64,
+    /// Its radius where it meets other grains.
+    pub(super) to_grains: f64,
+    /// Probability with which it rolls on from a contact, and from the end of each arc, rather than stick
+    /// there.
+    pub(super) roll: f64,
+    /// What decides.
+    pub(super) key: PathKey,
+}
+
+/// Events of random numbers that belong to the start of a drop.
+const FIRST_EVENT: u32 = 1;
+
+impl RollingSphere {
+    fn rolls_on(&self, turn: u32) -> bool {
+        self.roll >= 1.0 || {
+            let word = pcg3d(self.key.lo, self.key.hi, FIRST_EVENT + turn)[0];
+            f64::from(word) < self.roll * 4_294_967_296.0
+        }
+    }
+}
 
 /// Where a rolling grain ends.
 pub(super) enum Rest {
@@ -146,6 +173,8 @@ pub(super) struct Roller<'a> {
     surfaces: Vec<SphereContact>,
     /// Where the last grain looked for others.
     looks: Vec<Look>,
+    /// Radius of the sphere that rolls where it meets the ground, quanta.
+    to_ground: f64,
 }
 
 impl<'a> Roller<'a> {
@@ -159,11 +188,19 @@ impl<'a> Roller<'a> {
             ignored: Vec::new(),
             surfaces: Vec::new(),
             looks: Vec::new(),
+            to_ground: 0.0,
         }
     }
 
-    /// Drops a sphere of `radius` quanta along x, z and follows it to its rest.
-    pub(super) fn settle(&mut self, lying: &Lying<'_, '_>, [x, z]: [f64; 2], radius: f64) -> Rest {
+    /// Drops a sphere along x, z and follows it to its rest.
+    pub(super) fn settle(
+        &mut self,
+        lying: &Lying<'_, '_>,
+        [x, z]: [f64; 2],
+        sphere: RollingSphere,
+    ) -> Rest {
+        let radius = sphere.to_grains;
+        self.to_ground = sphere.to_ground;
         self.contacts.clear();
         self.ignored.clear();
         self.looks.clear();
@@ -171,7 +208,10 @@ impl<'a> Roller<'a> {
             Ok(at) => at,
             Err(end) => return end,
         };
-        for _ in 0..MOST_TURNS {
+        for turn in 0..MOST_TURNS {
+            if !sphere.rolls_on(turn) {
+                return Rest::Stable(at);
+            }
             match self.motion(at) {
                 Motion::Rests => return Rest::Stable(at),
                 Motion::Falls => {
@@ -238,7 +278,7 @@ impl<'a> Roller<'a> {
         let fall = Fall { x, z, radius, from, down_to, ignored: &self.ignored };
         let hit = lying.first_contact(&fall);
         let down_to = hit.map_or(down_to, |hit| hit.height);
-        let ground = self.ground.drop_sphere(x, z, radius, [from, down_to]);
+        let ground = self.ground.drop_sphere(x, z, self.to_ground, [from, down_to]);
         let to = ground.map_or(down_to, |ground| ground.height);
         self.looks.push(Look::Line { place: [x, z], from, to, radius });
         self.land(lying.region.point(x, z, to), ground, hit.map(|hit| (hit.slot, hit.grain)))
@@ -251,7 +291,8 @@ impl<'a> Roller<'a> {
         at: DVec3,
         radius: f64,
     ) -> Result<DVec3, Rest> {
-        let ground = self.ground.drop_straight(at.x, at.z, radius, [at.y, f64::NEG_INFINITY]);
+        let ground =
+            self.ground.drop_straight(at.x, at.z, self.to_ground, [at.y, f64::NEG_INFINITY]);
         let down_to = ground.map_or(self.lowest, |ground| ground.height);
         match self.look_straight_down(lying, at, radius, down_to) {
             Some((height, slot, grain)) => {
@@ -395,7 +436,7 @@ impl<'a> Roller<'a> {
                 (angle, end) = (touch, End::Touches(Contact { slot, center: other }));
             }
         }
-        if let Some(touch) = self.meets_ground(arc, angle, radius) {
+        if let Some(touch) = self.meets_ground(arc, angle) {
             (angle, end) = (touch, End::Ground);
         }
         (angle, end)
@@ -418,7 +459,8 @@ impl<'a> Roller<'a> {
     }
 
     /// First angle up to `until` at which the sphere meets the ground.
-    fn meets_ground(&mut self, arc: &Arc, until: f64, radius: f64) -> Option<f64> {
+    fn meets_ground(&mut self, arc: &Arc, until: f64) -> Option<f64> {
+        let radius = self.to_ground;
         if let Some(floor) = self.ground.floor() {
             // The centre sinks to floor + radius.
             let above = arc.center.y - floor - radius;

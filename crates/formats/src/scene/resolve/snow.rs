@@ -178,7 +178,7 @@ impl Body<'_> {
             let mend = format!("must be 0 to the radius, {mean} m");
             return Err(self.bad("variation", &mend));
         }
-        Ok(Radii { mean, variation })
+        Ok(Radii::Uniform { mean, variation })
     }
 
     fn density(&self) -> Result<Option<f64>, SceneError> {

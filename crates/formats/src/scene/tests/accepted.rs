@@ -46,9 +46,9 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!(scene.objects[0].surface, Surface::diffuse([0.5; 3]));
     let expected = DepositSettings {
         amount: Amount::Grains(1000),
-        radii: Radii { mean: 0.0005, variation: 0.0 },
+        radii: Radii::Uniform { mean: 0.0005, variation: 0.0 },
         density: None,
-        rule: DepositRule::Ray,
+        rule: Some(DepositRule::Ray),
         max_slope_degrees: 80.0,
         direction: DepositSettings::DOWN,
         area: None,
@@ -99,7 +99,7 @@ fn impurities_that_all_snow_has_are_those_of_the_ice() {
 fn water_joins_the_grains_or_fills_the_pores() {
     let wet = read(LEAST, &["snow.wetness=0.331", "snow.variation=\"0.1 mm\""]).unwrap();
     let radii = deposit(&wet).radii;
-    assert!((radii.mean - 0.55e-3).abs() < 1e-9 && (radii.variation - 0.11e-3).abs() < 1e-9);
+    assert!((radii.mean() - 0.55e-3).abs() < 1e-9 && (radii.variation - 0.11e-3).abs() < 1e-9);
     let saturated = read(LEAST, &["ice.pores=water"]).unwrap();
     assert!((saturated.ice.eta() - 1.31 / 1.333).abs() < 1e-12);
     assert_eq!(read(LEAST, &[]).unwrap().ice.eta(), 1.31);
@@ -112,9 +112,9 @@ fn every_deposit_key_arrives_in_metres() {
            area = [\"-1 m\", -2, \"50 cm\", 0.25]\nseed = 7\n";
     let expected = DepositSettings {
         amount: Amount::Depth(0.03),
-        radii: Radii { mean: 0.0005, variation: 0.0002 },
+        radii: Radii::Uniform { mean: 0.0005, variation: 0.0002 },
         density: Some(250.0),
-        rule: DepositRule::Roll,
+        rule: Some(DepositRule::Roll),
         max_slope_degrees: 60.0,
         direction: DepositSettings::DOWN,
         area: Some([-1.0, -2.0, 0.5, 0.25]),
@@ -149,7 +149,7 @@ fn overrides_change_and_add_values() {
     )
     .unwrap();
     assert!(scene.film.keep_ice_paths && scene.film.keep_light_groups);
-    assert_eq!(deposit(&scene).radii.mean, 0.0003);
+    assert_eq!(deposit(&scene).radii.mean(), 0.0003);
     assert_eq!(deposit(&scene).seed, 5);
     assert_eq!(scene.film.width, 65);
     assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
@@ -234,7 +234,7 @@ fn builtin_scenes_are_what_they_say() {
     {
         let (thin, thick) = (builtin(thin), builtin(thick));
         assert_eq!(deposit(&thin).amount, deposit(&thick).amount);
-        assert!(deposit(&thin).radii.mean < deposit(&thick).radii.mean);
+        assert!(deposit(&thin).radii.mean() < deposit(&thick).radii.mean());
         assert_eq!(thin.camera, thick.camera);
         assert_eq!(thin.ice.ior, 1.32);
     }
@@ -483,7 +483,7 @@ fn a_mesh_in_plausible_metres_keeps_its_size() {
     let edge = scene.objects[0].transform.transform_vector3(DVec3::Z * 0.12);
     assert!((edge.length() - 0.12).abs() < 1e-12);
     assert!(assumptions[0].starts_with("longest side 0.1500 m (the file taken as metres"));
-    let radius = deposit(&scene).radii.mean;
+    let radius = deposit(&scene).radii.mean();
     assert!((0.0003..0.0008).contains(&radius), "{radius}");
 }
 
