@@ -66,7 +66,7 @@ fn variants(filters: &Filters) {
     for (name, rule, filled) in &RULES {
         let wanted = |variant: &str| filters.want(&format!("{name} {variant}"));
         let fall = |wind, radii| Falls {
-            rule: Some(*rule),
+            rule: *rule,
             ground: Ground::Floor,
             filled: *filled,
             wind,
@@ -121,7 +121,7 @@ impl Falls {
         let surfaces = surfaces(self.ground, width);
         let settings = DepositSettings {
             amount: Amount::Grains(grains),
-            radii: self.radii,
+            radii: self.radii.clone(),
             density: None,
             rule: Some(self.rule),
             max_slope_degrees: 90.0,
@@ -154,7 +154,7 @@ fn surfaces(ground: Ground, width: f64) -> Option<Surfaces> {
 fn hundred_to_one(name: &str, rule: DepositRule) {
     let coarse = Radii::Uniform { mean: 100.0 * RADIUS, variation: 0.0 };
     let width = 1000.0 * RADIUS;
-    let quantisation = Quantisation::for_grains(DVec3::ZERO, coarse.mean);
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, coarse.mean());
     let mut snow = Snowfall::on_level_floor(quantisation, [width; 2]).expect("it is wide");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
     for (part, radii, grains) in [

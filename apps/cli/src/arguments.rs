@@ -6,6 +6,7 @@ mod deposit;
 mod develop;
 mod display;
 mod groups;
+mod inspect;
 mod laboratory_values;
 mod measure;
 mod optics;
@@ -26,6 +27,7 @@ pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
 pub(crate) use display::{Bits, DisplayArguments};
 pub(crate) use groups::GroupFactor;
+pub(crate) use inspect::InspectArguments;
 pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
@@ -61,6 +63,7 @@ pub(crate) enum Command {
     Render(Box<RenderArguments>),
     Deposit(DepositArguments),
     Develop(DevelopArguments),
+    Inspect(Box<InspectArguments>),
     Scenes(ScenesArguments),
     Compare(CompareArguments),
     Measure(MeasureArguments),

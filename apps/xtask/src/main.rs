@@ -1,7 +1,8 @@
-//! Tasks of the project: `cargo xtask validate` and `cargo xtask look`.
+//! Tasks of the project: `cargo xtask validate`, `cargo xtask look` and `cargo xtask packings`.
 
 mod figure;
 mod look;
+mod packings;
 mod program;
 mod report;
 mod table;
@@ -23,12 +24,15 @@ enum Task {
     Validate(validate::Options),
     /// Measures close pictures of snow against what real snow shows, and writes look.md
     Look(look::Options),
+    /// Makes snow of twelve densities, and writes packings.md
+    Packings(packings::Options),
 }
 
 fn main() -> anyhow::Result<ExitCode> {
     let passed = match Arguments::parse().task {
         Task::Validate(options) => validate::validate(&options)?,
         Task::Look(options) => look::look(&options)?,
+        Task::Packings(options) => packings::packings(&options)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -210,12 +210,13 @@ impl<'a> Snowfall<'a> {
         settings.check(self.quantisation.largest_radius())?;
         self.ground.turn(settings.drift());
         let area = self.area(settings)?;
-        let reached = calibrate::settling(settings, self.quantisation.quantum(), area)?;
-        let rule = settings.plain_rule();
-        let settling = reached.map_or(Settling::of_rule(rule), |reached| reached.settling);
-        let mut report = self.deposit_as(settings, settling, area, fallen)?;
-        report.reached = reached;
-        Ok(report)
+        match settings.density {
+            Some(density) => self.deposit_to_density(settings, density, area, fallen),
+            None => {
+                let settling = Settling::of_rule(settings.plain_rule());
+                self.deposit_as(settings, settling, area, fallen)
+            }
+        }
     }
 
     /// Lets grains come to rest so, whatever density that gives.

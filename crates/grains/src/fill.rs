@@ -43,6 +43,19 @@ impl Body {
         }
     }
 
+    /// Its volume, cubic metres.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Box(bounds) => {
+                let size = bounds.size();
+                size.x * size.y * size.z
+            }
+            Self::Solid(solid) => solid.volume(),
+            Self::Heights(heights) => heights.volume(),
+        }
+    }
+
     /// Whether a point, metres, lies inside.
     fn holds(&self, point: DVec3) -> Result<bool, GrainsError> {
         match self {
@@ -96,6 +109,15 @@ impl KnownPacks {
     }
 }
 
+impl FillSettings {
+    /// About how many grains it takes, where no mask takes any away.
+    #[must_use]
+    pub fn expected_grains(&self) -> f64 {
+        let ball = 4.0 / 3.0 * core::f64::consts::PI * self.pack.radii.mean_cube();
+        self.pack.density / ICE_DENSITY * self.body.volume() / ball
+    }
+}
+
 impl Snowfall<'_> {
     /// Fills a body with snow; what lay there before is not moved.
     ///
@@ -140,9 +162,7 @@ impl PeriodicPack {
         let (low, high) = (low.floor(), high.floor());
         let counts = high - low + 1.0;
         let tiles = counts.x * counts.y * counts.z;
-        let volume = bounds.size().x * bounds.size().y * bounds.size().z;
-        let tile = period.x * period.y * period.z * quantum * quantum * quantum;
-        let expected = (volume / tile) * self.field.len() as f64;
+        let expected = settings.expected_grains();
         if expected > MOST_GRAINS || tiles > f64::from(u32::MAX) {
             let reason = format!("would hold {expected:.1e} grains; use larger grains");
             return Err(GrainsError::setting("body", reason));

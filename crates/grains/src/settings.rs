@@ -77,6 +77,11 @@ impl DepositSettings {
         Ok(())
     }
 
+    /// The same with another density, kg/m^3.
+    pub(crate) fn with_density(&self, density: f64) -> Self {
+        Self { density: Some(density), ..self.clone() }
+    }
+
     /// Where grains stop while nothing is said of the density.
     pub(crate) fn plain_rule(&self) -> DepositRule {
         self.rule.unwrap_or(DepositRule::Ray)

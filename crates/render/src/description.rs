@@ -6,7 +6,7 @@ pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
-use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
+use snowgrain_grains::{DepositSettings, FillSettings, GrainField, LatticeSettings};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::sync::Arc;
@@ -252,6 +252,8 @@ pub enum ObjectShape {
 pub enum SnowDescription {
     /// A snowfall on objects and earlier snow.
     Deposit(DepositSettings),
+    /// A body of packed grains.
+    Filled(FillSettings),
     /// A crystal lattice.
     Lattice(LatticeSettings),
     /// Grains as they are (from a file).

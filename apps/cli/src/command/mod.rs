@@ -4,6 +4,7 @@ mod compare;
 mod denoise;
 mod deposit;
 mod develop;
+mod inspect;
 mod measure;
 mod optics;
 mod pictures;
@@ -20,6 +21,7 @@ pub(crate) fn run(command: &Command) -> Result<u8, Failure> {
         Command::Render(arguments) => render::run(arguments),
         Command::Deposit(arguments) => deposit::run(arguments),
         Command::Develop(arguments) => develop::run(arguments),
+        Command::Inspect(arguments) => inspect::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),

@@ -10,6 +10,7 @@ mod laboratory;
 mod light_in_snow;
 mod measures;
 mod noise;
+mod packings;
 mod pictures;
 #[cfg(unix)]
 mod signals;

@@ -4,9 +4,12 @@
 //! is sought by the Illinois form of false position (Dowell & Jarratt 1971, BIT 11, 168) with
 //! pilot snowfalls of the same sizes, depth and seed: a pure function of the settings.
 
-use super::Snowfall;
-use crate::measures::{Slab, nominal_solid_fraction, union_solid_fraction};
-use crate::{Amount, DepositRule, DepositSettings, GrainsError, ICE_DENSITY, Settling};
+use super::pile::Pile;
+use super::{DepositReport, Snowfall};
+use crate::measures::{
+    Slab, nominal_solid_fraction, solid_fractions_along_lines, union_solid_fraction,
+};
+use crate::{Amount, DepositRule, DepositSettings, GrainField, GrainsError, ICE_DENSITY, Settling};
 use snowgrain_accel::PlanRectangle;
 use snowgrain_geometry::Quantisation;
 use snowgrain_math::{DVec3, trig};
@@ -16,6 +19,12 @@ use snowgrain_math::{DVec3, trig};
 const TOLERANCE: f64 = 0.02;
 /// Relative difference at which the search ends.
 const CLOSE: f64 = 2e-3;
+/// Relative difference at which snow that was measured does not fall anew.
+const CLOSE_ENOUGH: f64 = 0.01;
+/// Most falls of the same snow.
+const MOST_FALLS: u32 = 3;
+/// Most grains that are measured.
+const MOST_MEASURED: u64 = 20_000_000;
 /// Most pilots of a search within a bracket.
 const MOST_PILOTS: u32 = 12;
 /// Grains of a pilot, and of one of aggregates, of which there must be many.
@@ -40,8 +49,18 @@ pub struct Reached {
     pub settling: Settling,
     /// Density asked for, kg/m^3.
     pub asked: f64,
-    /// Density of the last pilot, kg/m^3.
+    /// Density of the last pilot, kg/m^3: that of the same settling on a level floor.
     pub pilot: f64,
+    /// Density of the snow itself, kg/m^3, where it was measured.
+    pub measured: Option<f64>,
+}
+
+impl Reached {
+    /// The best that is known of the density, kg/m^3.
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.measured.unwrap_or(self.pilot)
+    }
 }
 
 /// The solid fraction (union of the ice, between 20 and 80 % of the depth) that a snowfall by the rule
@@ -56,17 +75,57 @@ pub fn reached_solid_fraction(
     Pilots { settings, area_m2 }.fill(Settling::of_rule(settings.plain_rule()))
 }
 
-/// The settling that reaches the density of `settings`, where one is asked for.
-pub(super) fn settling(
-    settings: &DepositSettings,
-    quantum: f64,
-    area: PlanRectangle,
-) -> Result<Option<Reached>, GrainsError> {
-    let Some(density) = settings.density else { return Ok(None) };
-    let edge = |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) * quantum;
-    let pilots = Pilots { settings, area_m2: edge(0) * edge(1) };
-    let (settling, fill) = pilots.reach(density / ICE_DENSITY)?;
-    Ok(Some(Reached { settling, asked: density, pilot: ICE_DENSITY * fill }))
+impl Snowfall<'_> {
+    /// Lets snow fall so that it has a density.
+    ///
+    /// Where nothing lay before, the snow itself is measured, since it is less dense on steep ground and
+    /// towards the edge of the area than pilots are on a level floor; it falls anew, up to
+    /// [`MOST_FALLS`] times in all, by the settling that makes up for that.
+    pub(super) fn deposit_to_density(
+        &mut self,
+        settings: &DepositSettings,
+        density: f64,
+        area: PlanRectangle,
+        fallen: &mut dyn FnMut(u64),
+    ) -> Result<DepositReport, GrainsError> {
+        let quantum = self.quantisation.quantum();
+        let edge = |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) * quantum;
+        let area_m2 = edge(0) * edge(1);
+        let falls_anew = self.is_empty() && self.period().is_none();
+        let (mut settling, mut fill) = Pilots { settings, area_m2 }.reach(density / ICE_DENSITY)?;
+        let mut aim = density;
+        for fall in 1.. {
+            let mut report = self.deposit_as(settings, settling, area, fallen)?;
+            let measured = if falls_anew { self.measured_density() } else { None };
+            let pilot = ICE_DENSITY * fill;
+            report.reached = Some(Reached { settling, asked: density, pilot, measured });
+            let off = measured.map_or(1.0, |measured| measured / density);
+            if (off - 1.0).abs() <= CLOSE_ENOUGH || fall == MOST_FALLS {
+                return Ok(report);
+            }
+            aim /= off.clamp(0.5, 2.0);
+            let pilots = Pilots { settings: &settings.with_density(aim), area_m2 };
+            match pilots.reach(aim / ICE_DENSITY) {
+                Ok(better) => (settling, fill) = better,
+                // What would make up for it is out of reach: the snow stays as it is.
+                Err(_) => return Ok(report),
+            }
+            (self.pile, self.snowfalls) = (Pile::default(), self.snowfalls - 1);
+        }
+        unreachable!("the last fall returns")
+    }
+
+    /// Density of all that lies, kg/m^3, where it is deep enough, and not so much that it could not be held
+    /// twice.
+    fn measured_density(&self) -> Option<f64> {
+        if self.len() > MOST_MEASURED {
+            return None;
+        }
+        let stacks = self.pile.all().cloned().collect();
+        let field = GrainField::of_stacks(self.quantisation, stacks, Vec::new());
+        let (union, _) = solid_fractions_along_lines(&field, 0);
+        (union.mean > 0.0).then_some(ICE_DENSITY * union.mean)
+    }
 }
 
 /// Snowfalls to try settlings by.

@@ -21,6 +21,8 @@ pub struct Solid {
     /// 1, or -1 where the mesh is inside out.
     sense: i32,
     bounds: Aabb,
+    /// Cubic metres.
+    volume: f64,
     squares: Squares,
 }
 
@@ -51,13 +53,20 @@ impl Solid {
             .sum();
         let squares = Squares::new(&positions, &triangles, &bounds);
         let sense = if volume < 0.0 { -1 } else { 1 };
-        Ok(Self { positions, triangles, sense, bounds, squares })
+        let volume = volume.abs() / 6.0;
+        Ok(Self { positions, triangles, sense, bounds, volume, squares })
     }
 
     /// The box around it, metres.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// Its volume, cubic metres.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.volume
     }
 
     /// Whether a point, metres, lies inside.

@@ -83,6 +83,12 @@ impl HeightField {
         Aabb::new(DVec3::new(x0, self.base, z0), DVec3::new(x1, top, z1))
     }
 
+    pub(super) fn volume(&self) -> f64 {
+        let [x0, z0, x1, z1] = self.image.area;
+        let sum: f64 = self.image.values.iter().map(|&value| f64::from(value.max(0.0))).sum();
+        (x1 - x0) * (z1 - z0) * self.height * sum / self.image.values.len() as f64
+    }
+
     pub(super) fn holds(&self, point: DVec3) -> bool {
         point.y >= self.base && point.y < self.base + self.height * self.image.at(point)
     }

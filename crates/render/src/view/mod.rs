@@ -131,6 +131,7 @@ fn close(scene: &SceneDescription) -> Option<CameraDescription> {
 fn mean_radius(snow: &SnowDescription) -> f64 {
     match snow {
         SnowDescription::Deposit(settings) => settings.radii.mean(),
+        SnowDescription::Filled(settings) => settings.pack.radii.mean(),
         SnowDescription::Lattice(settings) => settings.radius,
         SnowDescription::Grains(field) => {
             let sum: f64 = field.iter().map(|grain| grain.radius).sum();
@@ -175,7 +176,9 @@ fn deposited_depth(scene: &SceneDescription) -> f64 {
                     .max(0.0)
             }
         },
-        SnowDescription::Lattice(_) | SnowDescription::Grains(_) => 0.0,
+        SnowDescription::Filled(_) | SnowDescription::Lattice(_) | SnowDescription::Grains(_) => {
+            0.0
+        }
     };
     scene.snow.iter().map(depth).sum()
 }
@@ -195,6 +198,7 @@ fn framed(scene: &SceneDescription) -> Option<Aabb> {
     for snow in &scene.snow {
         frame = frame.union(&match snow {
             SnowDescription::Deposit(settings) => fallen(settings, &frame).1,
+            SnowDescription::Filled(settings) => settings.body.bounds(),
             SnowDescription::Lattice(settings) => lattice_box(settings),
             SnowDescription::Grains(field) => field.bounds(),
         });

@@ -119,7 +119,7 @@ fn object(
     Ok((ObjectDescription { name, shape, surface, transform, is_holdout: table.holdout }, bounds))
 }
 
-fn mesh(
+pub(super) fn mesh(
     checks: &Checks<'_>,
     key: &str,
     file: &str,

@@ -98,8 +98,9 @@ fn impurities_that_all_snow_has_are_those_of_the_ice() {
 #[test]
 fn water_joins_the_grains_or_fills_the_pores() {
     let wet = read(LEAST, &["snow.wetness=0.331", "snow.variation=\"0.1 mm\""]).unwrap();
-    let radii = deposit(&wet).radii;
-    assert!((radii.mean() - 0.55e-3).abs() < 1e-9 && (radii.variation - 0.11e-3).abs() < 1e-9);
+    let radii = &deposit(&wet).radii;
+    let Radii::Uniform { mean, variation } = radii else { panic!("{radii:?}") };
+    assert!((mean - 0.55e-3).abs() < 1e-9 && (variation - 0.11e-3).abs() < 1e-9);
     let saturated = read(LEAST, &["ice.pores=water"]).unwrap();
     assert!((saturated.ice.eta() - 1.31 / 1.333).abs() < 1e-12);
     assert_eq!(read(LEAST, &[]).unwrap().ice.eta(), 1.31);
@@ -126,8 +127,10 @@ fn every_deposit_key_arrives_in_metres() {
     let wind = read(LEAST, &["snow.direction=[0.5, -1, 0]"]).unwrap();
     assert_eq!(deposit(&wind).direction, [0.5, -1.0, 0.0]);
     let alias = read(LEAST, &["snow.rule=chrisman"]).unwrap();
-    assert_eq!(deposit(&alias).rule, DepositRule::Ray);
-    assert_eq!(deposit(&read(LEAST, &["snow.variation=0.5mm"]).unwrap()).radii.variation, 0.0005);
+    assert_eq!(deposit(&alias).rule, Some(DepositRule::Ray));
+    let varied = read(LEAST, &["snow.variation=0.5mm"]).unwrap();
+    let expected = Radii::Uniform { mean: 0.0005, variation: 0.0005 };
+    assert_eq!(deposit(&varied).radii, expected);
 }
 
 #[test]
@@ -191,6 +194,8 @@ fn meshes_are_read_once_relative_to_the_scene() {
         environment: &mut |_| Err("nor a map".into()),
         import: &mut |_| Err("nor a shot".into()),
         texture: &mut |_| Err("nor a picture".into()),
+        sizes: &mut |_| Err("nor a picture".into()),
+        plan_image: &mut |_| Err("nor a picture".into()),
     };
     let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
