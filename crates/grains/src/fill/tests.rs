@@ -5,6 +5,7 @@ use snowgrain_accel::Surfaces;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_geometry::teapot::teapot;
 use snowgrain_math::sampler::pcg3d;
+use std::sync::LazyLock;
 
 const R: f64 = 0.5e-3;
 
@@ -53,6 +54,18 @@ fn ball(steps: u32) -> TriangleMesh {
 
 fn unit(word: u32) -> f64 {
     f64::from(word) / 4_294_967_296.0
+}
+
+/// The pack of all tests, made once.
+static PACK: LazyLock<PeriodicPack> = LazyLock::new(|| {
+    let quantum = Quantisation::for_grains(DVec3::ZERO, R).quantum();
+    settings(Body::Box(Aabb::EMPTY)).pack.make(quantum).unwrap()
+});
+
+/// The grains of a body.
+fn filled(settings: &FillSettings) -> GrainField {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
+    GrainField::new(quantisation, PACK.within(&quantisation, settings).unwrap())
 }
 
 fn settings(body: Body) -> FillSettings {
@@ -119,14 +132,11 @@ fn meshes_that_are_open_or_cross_themselves_are_refused() {
 
 #[test]
 fn pieces_of_a_body_are_together_what_the_whole_is() {
-    let nothing = Surfaces::default();
-    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
     let grains = |bodies: &[(DVec3, DVec3)]| {
-        let mut snow = Snowfall::on_surfaces(quantisation, &nothing);
-        for &(min, max) in bodies {
-            snow.fill(&settings(Body::Box(Aabb::new(min, max)))).unwrap();
-        }
-        let mut all: Vec<_> = snow.into_field().quantised().collect();
+        let of = |&(min, max): &(DVec3, DVec3)| {
+            filled(&settings(Body::Box(Aabb::new(min, max)))).into_grains()
+        };
+        let mut all: Vec<QuantisedGrain> = bodies.iter().flat_map(of).collect();
         all.sort_unstable();
         all
     };
@@ -143,18 +153,17 @@ fn pieces_of_a_body_are_together_what_the_whole_is() {
 
 #[test]
 fn a_mesh_and_a_box_hold_the_same_grains_and_heights_are_filled_up_where_the_mask_lets() {
-    let nothing = Surfaces::default();
-    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
-    let fill = |body: Body, mask: Option<Arc<PlanImage>>| {
-        let mut snow = Snowfall::on_surfaces(quantisation, &nothing);
-        let report = snow.fill(&FillSettings { mask, ..settings(body) }).unwrap();
-        assert!((report.density / 250.0 - 1.0).abs() < 0.01, "{report:?}");
-        snow.into_field()
-    };
+    let fill =
+        |body: Body, mask: Option<Arc<PlanImage>>| filled(&FillSettings { mask, ..settings(body) });
     let (low, high) = (DVec3::new(-0.011, 0.001, -0.012), DVec3::new(0.013, 0.02, 0.014));
     let boxed = fill(Body::Box(Aabb::new(low, high)), None);
     let meshed = fill(Body::Solid(Arc::new(Solid::new(&block(low, high)).unwrap())), None);
     assert_eq!(boxed, meshed);
+    let nothing = Surfaces::default();
+    let mut snow = Snowfall::on_surfaces(boxed.quantisation, &nothing);
+    let report = snow.fill(&settings(Body::Box(Aabb::new(low, high)))).unwrap();
+    assert!((report.density / 250.0 - 1.0).abs() < 0.01, "{report:?}");
+    assert_eq!(snow.into_field(), boxed);
     // A ramp along x from 0 to 20 mm.
     let area = [-0.02, -0.02, 0.02, 0.02];
     let ramp = PlanImage::new([2, 1], vec![0.0, 1.0], area).unwrap();

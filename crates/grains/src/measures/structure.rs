@@ -1,5 +1,11 @@
 //! The structure of a pack: what a laboratory measures of snow in a tomograph.
 
+mod sizes;
+#[cfg(test)]
+mod tests;
+
+pub use sizes::Sizes;
+
 use super::buckets::Buckets;
 use super::lines::{Chord, Lines};
 use super::region::Region;
@@ -17,9 +23,8 @@ const MOST_LOOKED_AT: f64 = 200_000.0;
 /// Farthest distance of the two-point correlation, in mean radii, and its steps.
 const CORRELATION_RADII: f64 = 8.0;
 const CORRELATION_STEPS: usize = 32;
-/// Classes of chords, sizes and depths.
+/// Classes of chords and depths.
 const CHORD_CLASSES: usize = 30;
-const SIZE_CLASSES: usize = 20;
 const DEPTH_CLASSES: usize = 10;
 /// Longest chord of the distribution, in mean chords.
 const LONGEST_CHORD: f64 = 6.0;
@@ -66,21 +71,6 @@ pub struct Directed {
     pub air_chords: Vec<(f64, f64)>,
     /// The same in ice.
     pub ice_chords: Vec<(f64, f64)>,
-}
-
-/// Radii of the grains of a pack, metres.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sizes {
-    /// By number.
-    pub mean: f64,
-    /// Standard deviation, by number.
-    pub deviation: f64,
-    /// Radius of equal grains of the same volume and surface, overlaps left aside.
-    pub effective: f64,
-    /// Least and greatest.
-    pub range: [f64; 2],
-    /// Radius (middle of a class), and part of all grains.
-    pub classes: Vec<(f64, f64)>,
 }
 
 impl Structure {
@@ -328,154 +318,4 @@ fn profile(vertical: &Lines, region: &Region) -> Vec<f64> {
         }
     }
     sums.iter().map(|sum| ratio(sum[1], sum[0])).collect()
-}
-
-impl Sizes {
-    fn of(field: &GrainField) -> Self {
-        let radii: Vec<f64> = field.iter().map(|grain| grain.radius).collect();
-        let count = radii.len() as f64;
-        if radii.is_empty() {
-            return Self::default();
-        }
-        let sum = |of: fn(f64) -> f64| radii.iter().map(|&radius| of(radius)).sum::<f64>();
-        let mean = sum(|r| r) / count;
-        let squares = sum(|r| r * r);
-        let low = radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = radii.iter().copied().fold(0.0, f64::max);
-        let width = (high - low) / SIZE_CLASSES as f64;
-        let mut counts = vec![0u64; if width > 0.0 { SIZE_CLASSES } else { 1 }];
-        for radius in &radii {
-            let class = if width > 0.0 { ((radius - low) / width) as usize } else { 0 };
-            counts[class.min(SIZE_CLASSES - 1)] += 1;
-        }
-        let class = |(index, &count_in): (usize, &u64)| {
-            (low + (index as f64 + 0.5) * width, count_in as f64 / count)
-        };
-        Self {
-            mean,
-            deviation: (squares / count - mean * mean).max(0.0).sqrt(),
-            effective: sum(|r| r * r * r) / squares,
-            range: [low, high],
-            classes: counts.iter().enumerate().map(class).collect(),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measures::{Slab, nominal_solid_fraction};
-    use crate::{
-        Amount, DepositSettings, LatticeKind, LatticeSettings, PackSettings, Radii, Snowfall,
-        lattice_grains,
-    };
-    use snowgrain_geometry::Quantisation;
-
-    const R: f64 = 0.5e-3;
-
-    fn fallen(density: f64, width: f64) -> (GrainField, [f64; 2]) {
-        let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
-        let mut snow = Snowfall::on_level_floor(quantisation, [width * R; 2]).unwrap();
-        snow.deposit(&DepositSettings {
-            amount: Amount::Depth(60.0 * R),
-            radii: Radii::equal(R),
-            density: Some(density),
-            rule: None,
-            max_slope_degrees: 90.0,
-            direction: DepositSettings::DOWN,
-            area: None,
-            seed: 1,
-        })
-        .unwrap();
-        let period = snow.period().unwrap();
-        (snow.into_field(), period)
-    }
-
-    #[test]
-    fn mean_chords_in_air_are_those_of_the_theorem() {
-        for (density, width) in [(150.0, 160.0), (350.0, 120.0), (600.0, 90.0)] {
-            let (field, period) = fallen(density, width);
-            let found = Structure::of(&field, Extent::Periodic(period), &|_| false);
-            assert!((found.density() / density - 1.0).abs() < 0.02, "{}", found.density());
-            // 4 (1 - phi) / S_v (Underwood 1970), with the surface found by points on grains.
-            let theorem = 4.0 * (1.0 - found.solid_fraction) / found.surface_per_volume;
-            let off = found.mean_air_chord / theorem - 1.0;
-            assert!(off.abs() < 0.01, "{density}: {off}");
-            if density < 500.0 {
-                // No overlaps: the surface is that of all grains.
-                let slab = Slab::between_parts_of_depth(&field, Some(period), [0.2, 0.8]);
-                let surface = 3.0 * nominal_solid_fraction(&field, &slab) / R;
-                assert!((found.surface_per_volume / surface - 1.0).abs() < 0.01, "{density}");
-                let specific = found.specific_surface() * ICE_DENSITY * R / 3.0;
-                assert!((specific - 1.0).abs() < 0.015, "{specific}");
-            }
-        }
-    }
-
-    #[test]
-    fn correlation_goes_from_the_solid_fraction_to_its_square_as_the_surface_says() {
-        let (field, period) = fallen(350.0, 120.0);
-        let found = Structure::of(&field, Extent::Periodic(period), &|_| false);
-        let phi = found.solid_fraction;
-        for directed in &found.along {
-            let at = |index: usize| directed.correlation[index].1;
-            assert!((at(0) / phi - 1.0).abs() < 0.02, "{}", at(0));
-            // Debye, Anderson and Brumberger 1957: the slope at 0 is -S_v / 4.
-            let step = directed.correlation[1].0;
-            let expected = at(0) - step * found.surface_per_volume / 4.0;
-            assert!((at(1) / expected - 1.0).abs() < 0.03, "{} {expected}", at(1));
-            let far = directed.correlation.last().unwrap().1;
-            assert!((far / (phi * phi) - 1.0).abs() < 0.06, "{far} {}", phi * phi);
-        }
-        assert!((0.9..1.15).contains(&found.anisotropy), "{}", found.anisotropy);
-    }
-
-    #[test]
-    fn draped_and_periodic_measures_of_the_same_snow_agree() {
-        for density in [100.0, 350.0] {
-            let (field, period) = fallen(density, 160.0);
-            let periodic = Structure::of(&field, Extent::Periodic(period), &|_| false);
-            let draped = Structure::of(&field, Extent::Draped, &|_| false);
-            let off = draped.density() / periodic.density() - 1.0;
-            assert!(off.abs() < 0.03, "{density}: {off}");
-            let off = draped.surface_per_volume / periodic.surface_per_volume - 1.0;
-            assert!(off.abs() < 0.03, "{density}: {off}");
-            let middle: f64 = draped.profile[2..8].iter().sum::<f64>() / 6.0;
-            assert!((middle / draped.solid_fraction - 1.0).abs() < 0.05, "{:?}", draped.profile);
-        }
-    }
-
-    #[test]
-    fn a_crystal_has_its_surface_and_its_neighbours() {
-        let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
-        let (kind, counts) = (LatticeKind::Sc, [40; 3]);
-        let settings = LatticeSettings { kind, counts, radius: R, spacing: None, density: None };
-        let field = lattice_grains(&settings, &quantisation).unwrap();
-        let found = Structure::of(&field, Extent::Block, &|_| false);
-        // A sphere in each cube of two radii.
-        assert!((found.surface_per_volume * R / (PI / 2.0) - 1.0).abs() < 0.01);
-        assert!((found.solid_fraction / (PI / 6.0) - 1.0).abs() < 0.03, "{}", found.solid_fraction);
-        assert_eq!(found.connections.connected_fraction, 1.0);
-    }
-
-    #[test]
-    fn sizes_are_those_that_were_asked_for() {
-        let radii = Radii::log_normal(R, 1.2).unwrap();
-        let quantum = Quantisation::for_grains(DVec3::ZERO, radii.largest()).quantum();
-        let settings = PackSettings { radii: radii.clone(), density: 250.0, seed: 0 };
-        let sizes = Sizes::of(&settings.make(quantum).unwrap().field);
-        assert!((sizes.mean / radii.mean() - 1.0).abs() < 0.01);
-        assert!((sizes.classes.iter().map(|class| class.1).sum::<f64>() - 1.0).abs() < 1e-9);
-        assert!(sizes.range[0] < 0.7 * R && sizes.range[1] > 1.5 * R, "{:?}", sizes.range);
-    }
-
-    #[test]
-    fn nothing_is_measured_of_no_grains() {
-        let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
-        let none = GrainField::new(quantisation, Vec::new());
-        for extent in [Extent::Block, Extent::Draped, Extent::Periodic([1.0; 2])] {
-            let found = Structure::of(&none, extent, &|_| false);
-            assert_eq!((found.grains, found.solid_fraction), (0, 0.0));
-        }
-    }
 }

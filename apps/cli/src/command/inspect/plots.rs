@@ -33,7 +33,7 @@ pub(super) fn charts(structure: &Structure) -> Charts {
     let profile = Chart {
         names: ["part of the depth", "density, kg/m3"],
         scales: linear,
-        y_range: None,
+        y_range: Some([0.0, 1.2 * ICE_DENSITY * greatest(structure.profile.iter().copied())]),
         lines: vec![line(
             "",
             0,
@@ -44,7 +44,7 @@ pub(super) fn charts(structure: &Structure) -> Charts {
     let sizes = Chart {
         names: ["radius, mm", "part of the grains"],
         scales: linear,
-        y_range: None,
+        y_range: Some([0.0, 1.2 * greatest(structure.sizes.classes.iter().map(|class| class.1))]),
         lines: vec![line("", 0, sizes.map(|(at, part)| [MM * at, *part, 0.0]).collect())],
     };
     Charts {
@@ -72,6 +72,10 @@ fn directed(
         }
     }
     lines
+}
+
+fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::MIN_POSITIVE, f64::max)
 }
 
 fn line(label: &str, case: usize, points: Vec<[f64; 3]>) -> Line {
