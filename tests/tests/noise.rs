@@ -193,6 +193,7 @@ fn a_pilot_looks_for_light_and_films_keep_layers() {
     let best = SimdLevel::detect();
     let scene = changed(&[
         "light+={kind=\"sun\", elevation=40}",
+        "integrator.calibration_paths=65536",
         "film.keep+=light-groups",
         "film.width=40",
         "film.height=24",

@@ -28,7 +28,9 @@ pub(crate) use develop::DevelopArguments;
 pub(crate) use display::{Bits, DisplayArguments};
 pub(crate) use groups::GroupFactor;
 pub(crate) use inspect::InspectArguments;
-pub(crate) use measure::{CubeArguments, MeasureArguments, MeasureKind, Side, SlabArguments};
+pub(crate) use measure::{
+    CubeArguments, LightSearchArguments, MeasureArguments, MeasureKind, Side, SlabArguments,
+};
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
     OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,

@@ -4,6 +4,7 @@
 use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
+pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::{DepositSettings, FillSettings, GrainField, LatticeSettings};
@@ -274,8 +275,23 @@ pub enum LightFinding {
     /// Exact: where a path escapes or meets it, and nowhere else.
     #[default]
     Exact,
-    /// All lights but skies are looked for at every grain and surface ([`crate::transport::seek`]).
-    Sampled,
-    /// All lights are looked for.
-    AllSampled,
+    /// Looked for at every grain and surface ([`crate::transport::seek`]).
+    Sampled(SearchSettings),
+}
+
+/// How light is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SearchSettings {
+    /// Which lights.
+    pub sought: Sought,
+    /// Paths by which is measured what a search forgets ([`crate::transport::seek::calibrate`]).
+    pub calibration_paths: u64,
+}
+
+impl SearchSettings {
+    /// For these lights, with enough paths that the light of a sun is known to half a percent.
+    #[must_use]
+    pub fn of(sought: Sought) -> Self {
+        Self { sought, calibration_paths: 1 << 20 }
+    }
 }

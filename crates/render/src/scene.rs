@@ -6,7 +6,7 @@ use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene};
 use crate::strata::KnownGrains;
 use crate::surface::Material;
-use crate::transport::seek::{LightSearch, Sought};
+use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
@@ -155,21 +155,16 @@ impl Scene {
         if description.camera.projection.finds_focus() {
             camera = camera.focused_on_surface(&world, level);
         }
-        let sought = match description.light_finding {
+        let search = match description.light_finding {
             LightFinding::Exact => None,
-            LightFinding::Sampled => Some(Sought::NotSkies),
-            LightFinding::AllSampled => Some(Sought::All),
+            LightFinding::Sampled(settings) => {
+                stage(BuildStage::Light);
+                let size = [film.width, film.height];
+                let search = LightSearch::new(&lights, world.eta, settings.sought);
+                let paths = (size, settings.calibration_paths);
+                Some(search.calibrated((&world, &camera), paths, film.seed, level))
+            }
         };
-        let search = sought.map(|sought| {
-            stage(BuildStage::Light);
-            let size = [film.width, film.height];
-            LightSearch::new(&lights, world.eta, sought).calibrated(
-                (&world, &camera),
-                size,
-                film.seed,
-                level,
-            )
-        });
         Ok(Self {
             hash: hash_scene(description, &digest),
             world,

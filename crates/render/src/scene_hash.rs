@@ -6,6 +6,7 @@ use crate::description::{
     Projection, Sampler, SceneDescription, Surface,
 };
 use crate::surface::Reflectance;
+use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{GrainField, LatticeCell};
 use snowgrain_optics::{Absorption, Impurity, Load};
@@ -86,8 +87,16 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     scene.lights.iter().for_each(|light| hash_light(&mut hash, light));
     match scene.light_finding {
         LightFinding::Exact => {}
-        LightFinding::Sampled => hash.tag("sampled"),
-        LightFinding::AllSampled => hash.tag("all sampled"),
+        LightFinding::Sampled(settings) => {
+            hash.tag(match settings.sought {
+                Sought::NotSkies => "sampled",
+                Sought::All => "all sampled",
+            });
+            hash.words(&[
+                settings.calibration_paths as u32,
+                (settings.calibration_paths >> 32) as u32,
+            ]);
+        }
     }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();

@@ -72,6 +72,7 @@ fn uniform_light_that_is_looked_for_is_as_uniform_as_that_which_is_met() {
         let rule_is = format!("snow.rule=\"{rule}\"");
         let changes = [
             rule_is.as_str(),
+            "integrator.calibration_paths=262144",
             "light.0.kind=\"uniform\"",
             "object.albedo=1.0",
             "integrator.light=\"all-sampled\"",
@@ -96,10 +97,14 @@ fn a_sun_that_is_looked_for_is_as_bright_as_one_that_is_met() {
                 format!("light.elevation={elevation}"),
                 format!("light.angular_diameter={diameter}"),
             ];
+            let paths = format!("integrator.calibration_paths={}", samples(1 << 18, 1 << 22));
             let by = |finding: &str, samples: u64| {
                 let mut changes: Vec<&str> = changes.iter().map(String::as_str).collect();
-                let finding = format!("integrator.light=\"{finding}\"");
-                changes.push(&finding);
+                let finding_is = format!("integrator.light=\"{finding}\"");
+                changes.push(&finding_is);
+                if finding != "exact" {
+                    changes.push(&paths);
+                }
                 mean(&film(&scene(SNOW, &changes), samples))
             };
             let exact = by("exact", samples(512, 1 << 17));
@@ -146,7 +151,8 @@ fn the_sun_in_a_lone_grain_is_solved_as_it_is_met() {
 /// radiance L with a mean of m once in L/m samples.
 #[test]
 fn a_sun_that_is_looked_for_has_a_ten_thousandth_of_the_variance() {
-    let scene = scene(SNOW, &["snow.rule=\"stick\""]);
+    let changes = ["snow.rule=\"stick\"", "integrator.calibration_paths=262144"];
+    let scene = scene(SNOW, &changes);
     let count = samples(64, 1024);
     let film = film(&scene, count);
     let found = mean(&film);

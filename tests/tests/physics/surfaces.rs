@@ -5,7 +5,7 @@ use crate::lights::{film, ground, mean};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_render::description::{
     LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, SceneDescription,
-    Surface,
+    SearchSettings, Sought, Surface,
 };
 use snowgrain_render::light::direction_of;
 use snowgrain_render::surface::Reflectance;
@@ -59,10 +59,13 @@ fn light_is_as_bright_however_it_is_found() {
             inside
         }),
     ] {
-        let found = [LightFinding::Exact, LightFinding::Sampled].map(|finding| {
-            description.light_finding = finding;
-            mean(&film(&description, 512))
-        });
+        let found =
+            [LightFinding::Exact, LightFinding::Sampled(SearchSettings::of(Sought::NotSkies))].map(
+                |finding| {
+                    description.light_finding = finding;
+                    mean(&film(&description, 512))
+                },
+            );
         let [exact, sampled] = found;
         println!("{name}: {exact:?} {sampled:?}");
         assert!(exact.mean > 0.0 && exact.standard_error < 0.05 * exact.mean, "{name}");
@@ -75,7 +78,9 @@ fn light_is_as_bright_however_it_is_found() {
 #[test]
 fn a_mirror_shows_the_sun_whether_or_not_it_is_looked_for() {
     let mut description = ground_of(metal(0.8, 0.0), vec![sun(90.0)]);
-    for finding in [LightFinding::Exact, LightFinding::Sampled] {
+    for finding in
+        [LightFinding::Exact, LightFinding::Sampled(SearchSettings::of(Sought::NotSkies))]
+    {
         description.light_finding = finding;
         assert_agrees("mirror", mean(&film(&description, 4)), 4.0, 1e-4);
     }

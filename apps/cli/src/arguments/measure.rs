@@ -1,6 +1,6 @@
 //! `snowgrain measure` as typed.
 
-use super::{MachineArguments, values};
+use super::{MachineArguments, SceneArguments, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_grains::{DepositRule, LatticeKind};
 use snowgrain_render::measure::Incidence;
@@ -22,6 +22,7 @@ pub(crate) struct MeasureArguments {
 pub(crate) enum MeasureKind {
     Slab(Box<SlabArguments>),
     Cube(Box<CubeArguments>),
+    Search(Box<LightSearchArguments>),
 }
 
 /// A level slab of snow that repeats for ever along x and z, lit on one face.
@@ -130,6 +131,37 @@ pub(crate) struct CubeArguments {
 
     #[command(flatten)]
     pub(crate) tracing: TracingArguments,
+}
+
+/// How far off light is that is looked for in a scene (integrator.light = "sampled").
+///
+/// Uniform light that a search finds is compared with what paths meet, which is exact, by the number
+/// of grains on the way, the elevation of the light and its angle from the way back to the camera: what a
+/// sun in such a direction would be wrong by. The paths are others than those that the search is
+/// calibrated by, so that the error of that shows, too.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    snowgrain measure search shot.toml\n  \
+    snowgrain measure search snowy-teapot --set light.kind=sun --set light.elevation=20 --paths 4000000")]
+pub(crate) struct LightSearchArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+
+    /// Paths to trace
+    #[arg(long, value_name = "N", default_value_t = 1 << 22,
+          value_parser = clap::value_parser!(u64).range(1_024..=10_000_000_000))]
+    pub(crate) paths: u64,
+
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+
+    /// Prints JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Tells nothing but results and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 /// What every measure needs.

@@ -1,6 +1,7 @@
 //! `snowgrain measure`.
 
 mod cube;
+mod search;
 mod slab;
 mod snow;
 
@@ -13,6 +14,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<u8, Failure> {
     match &arguments.kind {
         MeasureKind::Slab(arguments) => slab::run(arguments),
         MeasureKind::Cube(arguments) => cube::run(arguments),
+        MeasureKind::Search(arguments) => search::run(arguments),
     }
 }
 

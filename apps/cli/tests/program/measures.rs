@@ -105,3 +105,31 @@ fn a_cube_lit_all_around_obeys_the_mean_chord_theorem() {
     let figures = json(&place.succeed(&[&cube[..], &["--file", "two.ply"]].concat()));
     assert_expected(&figures, "grain_visits", 1e-3);
 }
+
+#[test]
+fn a_search_for_light_agrees_with_what_paths_meet() {
+    let place = Workplace::new();
+    let snow = "version = 1\n[camera]\nfrom = [0.0, 0.3, 0.3]\nat = [0.0, 0.0, 0.0]\nvertical_fov = 4.0\n\
+        [[light]]\nkind = \"sun\"\nelevation = 30\n[[object]]\nshape = \"plane\"\n\
+        [[snow]]\nsource = \"deposit\"\nradius = \"0.5 mm\"\ndepth = \"4 mm\"\n\
+        area = [-0.02, -0.02, 0.02, 0.02]\n[integrator]\ncalibration_paths = 65536\n";
+    place.file("snow.toml", snow);
+    let measure = ["measure", "search", "snow.toml", "--paths", "65536"];
+    let rows = json(&place.succeed(&[&measure[..], &["--json", "--quiet"]].concat()));
+    let row = |name: &str| {
+        let rows = rows.as_array().unwrap();
+        rows.iter().find(|row| row["part"] == name).unwrap_or_else(|| panic!("{name}: {rows:?}"))
+    };
+    for name in ["all light", "3 grains", "10 grains or more"] {
+        let [bias, error] = ["bias", "standard_error"].map(|key| row(name)[key].as_f64().unwrap());
+        // The factors are as uncertain as what they are compared with.
+        assert!(bias.abs() < 5.0 * 2.0f64.sqrt() * error, "{name}: {bias} {error}");
+    }
+    assert_eq!(row("all light")["share"], 1.0);
+    let threads = |n| place.succeed(&[&measure[..], &["--threads", n, "--quiet"]].concat()).stdout;
+    assert_eq!(threads("1"), threads("3"));
+    let dark = ["measure", "search", "snowy-teapot", "--set", "snow.grains=100"];
+    let refused = place.run(&dark);
+    assert_eq!(refused.code, Some(65));
+    assert!(refused.stderr.contains("no light is looked for in this scene"), "{}", refused.stderr);
+}

@@ -9,7 +9,7 @@ mod snow;
 mod surfaces;
 
 use super::document::{
-    IntegratorName, KeepName, LightFindingName, PackingName, PoresName, PrimariesName, SamplerName,
+    IntegratorName, KeepName, PackingName, PoresName, PrimariesName, SamplerName,
 };
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
@@ -122,15 +122,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
-    let light_finding = match file.document.integrator.light {
-        LightFindingName::Auto if lights.iter().all(LightDescription::is_sky) => {
-            LightFinding::Exact
-        }
-        LightFindingName::Exact => LightFinding::Exact,
-        LightFindingName::Auto | LightFindingName::Sampled => LightFinding::Sampled,
-        LightFindingName::AllSampled => LightFinding::AllSampled,
-    };
-    lights::refuse_points(&checks, &lights, light_finding)?;
+    let light_finding = lights::finding(&checks, &lights)?;
     Ok(SceneDescription {
         film,
         camera,

@@ -108,7 +108,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
     fn refill<Source: PathSource<Tag = Tag>>(&mut self, lane: usize, source: &mut Source) {
         while let Some(NewPath { tag, ray, key, event }) = source.next_path() {
             if let Some(search) = &mut self.search {
-                search.trails[lane].begin(source.view(tag));
+                search.trails[lane].begin(source.view(tag), ray.direction);
             }
             self.walkers[lane] = Some(Walker {
                 tag,

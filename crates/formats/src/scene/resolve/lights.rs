@@ -3,20 +3,27 @@
 mod clear_day;
 
 use super::super::SceneError;
-use super::super::document::{LightKindName, LightTable, ShapeKind, SpectrumName};
+use super::super::document::{
+    LightFindingName, LightKindName, LightTable, ShapeKind, SpectrumName,
+};
 use super::super::quantity::{Length, Triple};
 use super::ReadEnvironment;
 use super::checks::Checks;
 use super::surfaces;
 use clear_day::ClearDay;
-use core::ops::Range;
+use core::ops::{Range, RangeInclusive};
 use snowgrain_math::DVec3;
 use snowgrain_optics::Illuminant;
-use snowgrain_render::description::{LightDescription, LightFinding, LightKind};
+use snowgrain_render::description::{
+    LightDescription, LightFinding, LightKind, SearchSettings, Sought,
+};
 use std::sync::Arc;
 
 /// Sine of the angle between edges up to which they are parallel.
 const FLAT: f64 = 1e-9;
+
+/// Paths that may measure a search.
+const CALIBRATION_PATHS: RangeInclusive<u64> = 1_024..=1_000_000_000;
 
 /// Keys that every kind takes, and that all but points do.
 const SHARED: [&str; 3] = ["kind", "spectrum", "group"];
@@ -114,21 +121,44 @@ pub(super) fn of_objects(
 }
 
 /// Refuses points, which no path meets, where light is only met.
-pub(super) fn refuse_points(
-    checks: &Checks<'_>,
-    lights: &[LightDescription],
-    finding: LightFinding,
-) -> Result<(), SceneError> {
-    let looks = match finding {
-        LightFinding::Exact => false,
-        LightFinding::Sampled | LightFinding::AllSampled => true,
-    };
-    if looks || !lights.iter().any(|light| light.kind.is_point()) {
+fn refuse_points(checks: &Checks<'_>, lights: &[LightDescription]) -> Result<(), SceneError> {
+    if !lights.iter().any(|light| light.kind.is_point()) {
         return Ok(());
     }
     let mend = "no path meets a light of kind \"point\" or \"spot\"; leave this out, or use kind = \"sphere\" \
                 with a small radius";
     Err(checks.bad("integrator.light", mend))
+}
+
+/// How lights are found.
+pub(super) fn finding(
+    checks: &Checks<'_>,
+    lights: &[LightDescription],
+) -> Result<LightFinding, SceneError> {
+    let table = &checks.document().integrator;
+    let sought = match table.light {
+        LightFindingName::Auto if lights.iter().all(LightDescription::is_sky) => None,
+        LightFindingName::Exact => None,
+        LightFindingName::Auto | LightFindingName::Sampled => Some(Sought::NotSkies),
+        LightFindingName::AllSampled => Some(Sought::All),
+    };
+    let key = "integrator.calibration_paths";
+    let paths = table.calibration_paths;
+    let Some(sought) = sought else {
+        refuse_points(checks, lights)?;
+        return match paths {
+            Some(_) => {
+                Err(checks.misplaced(key, "no light is looked for in this scene; remove it"))
+            }
+            None => Ok(LightFinding::Exact),
+        };
+    };
+    if paths.is_some_and(|paths| !CALIBRATION_PATHS.contains(&paths)) {
+        return Err(checks.bad(key, "must be a whole number from 1024 to 1e9"));
+    }
+    let mut settings = SearchSettings::of(sought);
+    settings.calibration_paths = paths.unwrap_or(settings.calibration_paths);
+    Ok(LightFinding::Sampled(settings))
 }
 
 fn check_group(checks: &Checks<'_>, key: &str, group: Option<&str>) -> Result<(), SceneError> {

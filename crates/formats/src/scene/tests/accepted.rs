@@ -12,7 +12,7 @@ use snowgrain_optics::{
 };
 use snowgrain_render::description::{
     Focus, IceDescription, Lens, LightDescription, LightFinding, LightKind, ObjectShape,
-    Projection, Sampler, SceneDescription, SnowDescription, Surface,
+    Projection, Sampler, SceneDescription, SearchSettings, SnowDescription, Sought, Surface,
 };
 use snowgrain_render::surface::Reflectance;
 use std::path::Path;
@@ -386,7 +386,7 @@ fn objects_are_of_metal_glass_or_pictures() {
 #[test]
 fn a_furnace_has_white_walls_and_one_uniform_light() {
     let mut scene = builtin("snowy-teapot");
-    scene.light_finding = LightFinding::AllSampled;
+    scene.light_finding = LightFinding::Sampled(SearchSettings::of(Sought::All));
     let scene = furnace(scene);
     assert_eq!(scene.light_finding, LightFinding::Exact);
     assert_eq!(scene.lights, [LightDescription::new(LightKind::Uniform, [1.0; 3])]);

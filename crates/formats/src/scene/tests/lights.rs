@@ -4,7 +4,7 @@ use super::{LEAST, lit_shot, read, refusal, shot};
 use crate::scene::scene_for_shot;
 use snowgrain_math::{DVec3, trig};
 use snowgrain_optics::{Illuminant, SunZenith};
-use snowgrain_render::description::{LightFinding, LightKind};
+use snowgrain_render::description::{LightFinding, LightKind, SearchSettings, Sought};
 use snowgrain_render::light::{direction_of, irradiance_of_disc};
 use std::f64::consts::PI;
 
@@ -191,13 +191,31 @@ fn lights_that_cannot_shine_are_refused() {
     }
 }
 
+#[test]
+fn a_search_is_calibrated_by_as_many_paths_as_are_asked_for() {
+    let sun = under("kind = \"sun\"\nelevation = 30");
+    let finding = |paths: &str| {
+        let set = format!("integrator.calibration_paths={paths}");
+        read(&sun, &[&set]).map(|scene| scene.light_finding)
+    };
+    let settings =
+        SearchSettings { calibration_paths: 4096, ..SearchSettings::of(Sought::NotSkies) };
+    assert_eq!(finding("4096").unwrap(), LightFinding::Sampled(settings));
+    for paths in ["0", "1023", "2000000000"] {
+        let set = format!("integrator.calibration_paths={paths}");
+        assert!(refusal(&sun, &[&set]).contains("must be a whole number from 1024 to 1e9"));
+    }
+    let exact = ["integrator.light=exact", "integrator.calibration_paths=4096"];
+    assert!(refusal(&sun, &exact).contains("no light is looked for in this scene; remove it"));
+}
+
 /// A scene that has no light but those of its shot.
 const SHOT: &str = "version = 1\n[import]\nfile = \"lit.glb\"\nscale = 2\nrotate = [0, 0, 90]\n";
 
 #[test]
 fn lights_of_a_shot_shine_in_lux_and_candela() {
     let scene = read(SHOT, &["light+={kind=\"sky\"}"]).unwrap();
-    assert_eq!(scene.light_finding, LightFinding::Sampled);
+    assert_eq!(scene.light_finding, LightFinding::Sampled(SearchSettings::of(Sought::NotSkies)));
     let [sky, sun, bulb, torch] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
     assert_eq!(sky.kind, LightKind::Sky, "those of the scene come first");
     let LightKind::Sun { direction, diameter_degrees } = sun.kind else { panic!("{sun:?}") };

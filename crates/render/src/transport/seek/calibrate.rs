@@ -5,11 +5,11 @@
 //! the search would find of a uniform light is compared with what paths find, which is exact: some paths
 //! are followed before the picture, with random numbers of their own; at each arrival a way out is drawn
 //! as if the place were random, and counted where it is clear, and so are the ways by which paths escape.
-//! The ratio of the counts, by the order of the grain, the angle of scattering and how
-//! steeply light leaves, is a factor on what the
-//! search finds. In uniform light it is then right on average; in any other what is left is how the ratio
-//! changes within a bin.
+//! Factors on what the search finds make the counts agree ([`super::gains`]). In uniform light it is then right
+//! on average; in any other what is left is how the ratio changes within a class.
 
+use super::agreement::Agreement;
+use super::gains::{Class, Tally};
 use super::shadow::{Beginning, Brings};
 use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
 use crate::camera::Camera;
@@ -23,95 +23,12 @@ use snowgrain_math::{DVec3, frame, trig};
 use snowgrain_optics::sphere::Impact;
 use snowgrain_optics::{Dielectric, fresnel};
 
-/// Paths that are followed.
-const PATHS: u64 = 1 << 18;
 /// Paths of one task.
-const TASK: u64 = 1 << 11;
+const TASK: u64 = 1 << 14;
 /// What tells their random numbers from those of the picture.
 const STREAM: u64 = 0xca11_b7a7_e5ee_d000;
-/// Orders that are told apart; the last is that and all higher ones.
-const ORDERS: usize = 4;
-/// Bins of the angle of scattering, equal in the sine of its half.
-const ANGLES: usize = 6;
-/// Bins of the height of the direction in which light leaves, equal in its sine.
-const HEIGHTS: usize = 6;
-/// Added to both counts, so that few of them change little.
-const PRIOR: f64 = 4.0;
-
-/// What is told apart: whence light arrived, the order of the grain, the angle of scattering, and how steeply
-/// light leaves (snow that fell is not alike in all directions).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bin(usize);
-
-impl Bin {
-    const COUNT: usize = 2 * ORDERS * ANGLES * HEIGHTS;
-
-    /// For light that arrives along one unit vector and leaves along the other.
-    fn new(from: ArrivalFrom, order: u32, [arrives, leaves]: [DVec3; 2]) -> Self {
-        let from = match from {
-            ArrivalFrom::Air => 0,
-            ArrivalFrom::Ice => 1,
-        };
-        let order = (order as usize).clamp(1, ORDERS) - 1;
-        let half_sine = (0.5 - 0.5 * arrives.dot(leaves)).max(0.0).sqrt();
-        let angle = ((half_sine * ANGLES as f64) as usize).min(ANGLES - 1);
-        let height = ((0.5 + 0.5 * leaves.y) * HEIGHTS as f64) as usize;
-        Self(((from * ORDERS + order) * ANGLES + angle) * HEIGHTS + height.min(HEIGHTS - 1))
-    }
-}
-
-/// Factors on what a search finds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gains(Box<[f64; Bin::COUNT]>);
-
-impl Default for Gains {
-    fn default() -> Self {
-        Self(Box::new([1.0; Bin::COUNT]))
-    }
-}
-
-impl Gains {
-    pub(super) fn gain(&self, from: ArrivalFrom, order: u32, ways: [DVec3; 2]) -> f64 {
-        self.0[Bin::new(from, order, ways).0]
-    }
-}
-
-/// Counts of ways.
-#[derive(Clone, Debug)]
-pub(super) struct Tally {
-    found: [u64; Bin::COUNT],
-    escaped: [u64; Bin::COUNT],
-}
-
-impl Default for Tally {
-    fn default() -> Self {
-        Self { found: [0; Bin::COUNT], escaped: [0; Bin::COUNT] }
-    }
-}
-
-impl Tally {
-    pub(super) fn found(&mut self, bin: Bin, times: u32) {
-        self.found[bin.0] += u64::from(times);
-    }
-
-    pub(super) fn escaped(&mut self, from: ArrivalFrom, order: u32, ways: [DVec3; 2]) {
-        self.escaped[Bin::new(from, order, ways).0] += 1;
-    }
-
-    fn merged(mut self, other: &Self) -> Self {
-        for bin in 0..Bin::COUNT {
-            self.found[bin] += other.found[bin];
-            self.escaped[bin] += other.escaped[bin];
-        }
-        self
-    }
-
-    fn gains(&self) -> Gains {
-        let gain = |bin| (self.escaped[bin] as f64 + PRIOR) / (self.found[bin] as f64 + PRIOR);
-        Gains(Box::new(std::array::from_fn(gain)))
-    }
-}
-
+/// The same of paths that only compare.
+const CHECK: u64 = 0xc0a9_a7e5_7e57_0000;
 impl LightSearch {
     /// The same search with factors for this scene, of which a picture of `size` pixels is seen; on the
     /// threads of the current pool, which do not show in the result.
@@ -119,22 +36,48 @@ impl LightSearch {
     pub fn calibrated(
         self,
         (world, camera): (&World, &Camera),
-        size: [u32; 2],
+        (size, paths): ([u32; 2], u64),
         seed: u64,
         level: SimdLevel,
     ) -> Self {
+        if world.grid.grains() == 0 {
+            return self;
+        }
+        let gains = self.tally((world, camera), (size, paths), seed ^ STREAM, level).gains();
+        Self { gains, ..self }
+    }
+
+    /// How what this search finds of uniform light agrees with what paths meet, which other paths measure
+    /// than those of the factors: what it is wrong by in a light of any direction.
+    #[must_use]
+    pub fn agreements(
+        &self,
+        (world, camera): (&World, &Camera),
+        (size, paths): ([u32; 2], u64),
+        seed: u64,
+        level: SimdLevel,
+    ) -> Vec<Agreement> {
+        self.tally((world, camera), (size, paths), seed ^ CHECK, level).agreements(&self.gains)
+    }
+
+    fn tally(
+        &self,
+        (world, camera): (&World, &Camera),
+        (size, paths): ([u32; 2], u64),
+        seed: u64,
+        level: SimdLevel,
+    ) -> Tally {
         let size = size.map(f64::from);
-        let tasks = (0..PATHS.div_ceil(TASK)).into_par_iter();
-        let tally = tasks
+        let tasks = (0..paths.div_ceil(TASK)).into_par_iter();
+        tasks
             .map(|task| {
-                let mut seeker = Seeker::new(world, camera, &self, level);
+                let mut seeker = Seeker::new(world, camera, self, level);
                 seeker.tally = Some(Tally::default());
-                let range = task * TASK..((task + 1) * TASK).min(PATHS);
+                let range = task * TASK..((task + 1) * TASK).min(paths);
                 let mut paths = Paths { camera, size, seed, range };
                 trace_seeking(world, level, seeker, &mut paths).tally.unwrap_or_default()
             })
-            .reduce(Tally::default, |sum, part| sum.merged(&part));
-        Self { gains: tally.gains(), ..self }
+            .reduce(Tally::default, |sum, part| sum.merged(&part))
     }
 }
 
@@ -150,7 +93,7 @@ impl PathSource for Paths<'_> {
     type Tag = ();
 
     fn next_path(&mut self) -> Option<NewPath<()>> {
-        let key = PathKey::new(self.seed ^ STREAM, self.range.next()?, 0);
+        let key = PathKey::new(self.seed, self.range.next()?, 0);
         let [x, y, _] = numbers(key, 0).map(f64::from);
         let [u, v, _] = numbers(key, 1).map(f64::from);
         let ray = self.camera.ray(x * self.size[0], y * self.size[1], [u, v]);
@@ -166,7 +109,7 @@ impl Seeker<'_> {
         &mut self,
         visit: &GrainVisit,
         last: &LastArrival,
-        order: u32,
+        (order, seen_along): (u32, DVec3),
         state: &PathState,
     ) {
         let key = search_key(state.key);
@@ -185,7 +128,7 @@ impl Seeker<'_> {
             (last.direction * cos + across * sin).normalize()
         };
         let direction = at(leaves);
-        let bin = Bin::new(visit.from, order, [last.direction, direction]);
+        let class = Class::new((visit.from, order), seen_along, [last.direction, direction]);
         let beginning = last.origin.map(|origin| Beginning {
             grain: (visit.center, visit.radius),
             direction: last.direction,
@@ -195,7 +138,7 @@ impl Seeker<'_> {
             event: visit.event,
         });
         let towards = (direction, f64::INFINITY, None);
-        self.want(visit, at(exit), towards, Brings::Count(bin), beginning);
+        self.want(visit, at(exit), towards, Brings::Count(class), beginning);
     }
 }
 

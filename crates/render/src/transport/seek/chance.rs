@@ -1,5 +1,6 @@
 //! Light that a path meets by chance while light is looked for as well.
 
+use super::gains::Class;
 use super::{GRAINS_BEFORE_SUNS, Seeker, Trail, Vertex, product, scaled};
 use crate::light::{LightRole, Lights};
 use crate::transport::{Contribution, PathResult};
@@ -39,7 +40,8 @@ impl Seeker<'_> {
         let order = trail.order(path.grain_visits);
         if let Some(tally) = &mut self.tally {
             if let (Met::Infinity(direction), Some(last)) = (met, trail.last) {
-                tally.escaped(last.from, order, [last.direction, direction]);
+                let ways = [last.direction, direction];
+                tally.escaped(&Class::new((last.from, order), trail.seen_along, ways));
             }
             return;
         }

@@ -1,5 +1,6 @@
 //! Light at a grain that a path strikes at a random place.
 
+use super::gains::Class;
 use super::shadow::{Beginning, Brings, Wanted};
 use super::{LastArrival, PathState, Seeker, product, scaled, search_key};
 use crate::transport::Contribution;
@@ -19,7 +20,7 @@ impl Seeker<'_> {
         &mut self,
         visit: &GrainVisit,
         last: &LastArrival,
-        order: u32,
+        (order, seen_along): (u32, DVec3),
         state: &PathState,
     ) {
         let search = self.search;
@@ -38,7 +39,8 @@ impl Seeker<'_> {
         }
         let Some(way) = table.way(cosine, [which, place]) else { return };
         let normal = |angle| turned(last.direction, sample.direction, cosine, angle);
-        let gain = search.gains.gain(visit.from, order, [last.direction, sample.direction]);
+        let ways = [last.direction, sample.direction];
+        let gain = search.gains.gain(&Class::new((visit.from, order), seen_along, ways));
         // The balance heuristic; nothing meets a point by chance.
         let rivals = if sample.is_point { 0.0 } else { density };
         let weight = gain * density / (chance * (sample.pdf + rivals));

@@ -16,13 +16,16 @@
 //! Lights that are met by chance as well share the light with it by the balance heuristic (Veach and
 //! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
+mod agreement;
 pub mod calibrate;
 mod chance;
 mod first_grain;
+mod gains;
 mod grains;
 mod shadow;
 mod surfaces;
 
+pub use agreement::{Agreement, Orders, Part};
 pub(super) use chance::Met;
 pub(super) use surfaces::Bounce;
 
@@ -31,7 +34,7 @@ use crate::camera::{Bundle, Camera};
 use crate::light::{LightRole, Lights};
 use crate::surface::Scatterer;
 use crate::world::World;
-use calibrate::{Gains, Tally};
+use gains::{Gains, Tally};
 use shadow::{Origin, Wanted};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
 use snowgrain_math::DVec3;
@@ -45,6 +48,15 @@ pub const WIDENED_DEGREES: f64 = 30.0;
 const SOLVED_ORDERS: u32 = 3;
 /// The same where other grains overlap it: further reflections inside may meet them.
 const SOLVED_ORDERS_OF_OVERLAPPED: u32 = 1;
+
+/// Times that light is looked for on the way through grains that overlap. Light that total reflection
+/// holds for long would be looked for as often, in vain; what comes out later than this is made up for by the
+/// factors.
+const SEARCHES_IN_ICE: u32 = 4;
+
+/// Orders of grains at which is asked where light came from ([`shadow`]): beyond, light is so even that
+/// the answer changes neither its mean nor its noise, as measured.
+const ORIGINS_ASKED: u32 = 5;
 
 /// Grains at which suns are not looked for at random places.
 const GRAINS_BEFORE_SUNS: u32 = 2;
@@ -147,6 +159,10 @@ enum Vertex {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trail {
     view: Option<View>,
+    /// Unit direction of its first ray.
+    seen_along: DVec3,
+    /// Grains that it went into from ice since it last met air.
+    from_ice: u32,
     vertex: Vertex,
     /// Arrivals at grains from air before the vertex.
     visits_before: u32,
@@ -172,10 +188,10 @@ struct LastArrival {
 
 impl Trail {
     /// For a new path.
-    pub(super) fn begin(&mut self, view: Option<View>) {
+    pub(super) fn begin(&mut self, view: Option<View>, seen_along: DVec3) {
         let mut contributions = std::mem::take(&mut self.contributions);
         contributions.clear();
-        *self = Self { view, contributions, ..Self::default() };
+        *self = Self { view, seen_along, contributions, ..Self::default() };
     }
 
     /// How many grains the path has met since the vertex, of `grain_visits` in all.
@@ -241,16 +257,24 @@ impl<'a> Seeker<'a> {
                     ArrivalFrom::Air if order == 1 && trail.vertex == Vertex::Camera => {
                         Some(Origin::Open)
                     }
+                    ArrivalFrom::Air if order > ORIGINS_ASKED => None,
                     ArrivalFrom::Air => Some(Origin::Matter),
                 },
             };
             trail.last = Some(last);
+            trail.from_ice = match visit.from {
+                ArrivalFrom::Air => 0,
+                ArrivalFrom::Ice => trail.from_ice + 1,
+            };
             trail.through_ice |= visit.from == ArrivalFrom::Ice;
-            if self.tally.is_some() {
-                self.try_a_way(visit, &last, order, &state);
+            if trail.from_ice > SEARCHES_IN_ICE {
                 continue;
             }
-            self.at_random_place(visit, &last, order, &state);
+            if self.tally.is_some() {
+                self.try_a_way(visit, &last, (order, trail.seen_along), &state);
+                continue;
+            }
+            self.at_random_place(visit, &last, (order, trail.seen_along), &state);
             if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air {
                 self.at_first_grain(visit, trail, &state);
             }

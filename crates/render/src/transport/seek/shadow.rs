@@ -8,7 +8,7 @@
 //! [`super::first_grain`]): where light goes out most easily none came in. Light that came through ice is
 //! let be: to ask for a beginning within another grain doubles the variance.
 
-use super::calibrate::Bin;
+use super::gains::Class;
 use super::{Seeker, Trail};
 use crate::transport::Contribution;
 use core::f64::consts::TAU;
@@ -35,7 +35,7 @@ pub(super) struct Wanted {
 pub(super) enum Brings {
     Light(Contribution),
     /// A count.
-    Count(Bin),
+    Count(Class),
 }
 
 /// Where a way through a grain begins.
@@ -92,7 +92,7 @@ impl Seeker<'_> {
                     light.weight = light.weight.map(|channel| channel * weight as f32);
                     trails[wanted.lane].contributions.push(light);
                 }
-                (Brings::Count(bin), Some(tally)) => tally.found(bin, weight),
+                (Brings::Count(class), Some(tally)) => tally.found(&class, weight),
                 (Brings::Count(_), None) => {}
             }
         }
