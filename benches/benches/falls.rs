@@ -158,7 +158,7 @@ fn hundred_to_one(name: &str, rule: DepositRule) {
     let mut snow = Snowfall::on_level_floor(quantisation, [width; 2]).expect("it is wide");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
     for (part, radii, grains) in [
-        ("coarse", coarse, 50),
+        ("coarse", coarse.clone(), 50),
         ("fine on coarse", EQUAL, 1_000_000),
         ("coarse on fine", coarse, 50),
     ] {
