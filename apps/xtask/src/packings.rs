@@ -24,7 +24,7 @@ pub(crate) struct Options {
     out: PathBuf,
 
     /// Grains of each snow
-    #[arg(long, value_name = "N", default_value_t = 1_000_000.0)]
+    #[arg(long, value_name = "N", default_value_t = 300_000.0)]
     grains: f64,
 
     /// Only these densities, kg/m^3
@@ -34,7 +34,7 @@ pub(crate) struct Options {
 
 /// Ways to make snow of a density.
 const SOURCES: [(&str, &str); 2] = [
-    ("deposit", "Snow that falls (`source = \"deposit\"`) on a plane, 120 radii deep"),
+    ("deposit", "Snow that falls (`source = \"deposit\"`) on a plane, about 120 radii deep"),
     ("pack", "Packed snow (`source = \"pack\"`), a box 120 radii high"),
 ];
 
@@ -70,7 +70,7 @@ pub(crate) fn packings(options: &Options) -> Result<bool> {
 
 const INTRODUCTION: &str = "# Densities on request
 
-Written by `cargo xtask packings`: a million equal grains of .5 mm at each density. `snowgrain deposit` makes each snow \
+Written by `cargo xtask packings`: about 300 000 equal grains of .5 mm at each density (`--grains` asks for others). `snowgrain deposit` makes each snow \
 and measures what it says here: the density of the union of the ice between 20 and 80 % of the depth at \
 each place, the part of the mass that hangs together with the ground (of a box: with itself), processor seconds to make \
 the snow with all pilots, and the most memory that the program held at once, for measuring the grains too.

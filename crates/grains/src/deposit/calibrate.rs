@@ -93,14 +93,14 @@ impl Snowfall<'_> {
         let area_m2 = edge(0) * edge(1);
         let falls_anew = self.is_empty() && self.period().is_none();
         let (mut settling, mut fill) = Pilots { settings, area_m2 }.reach(density / ICE_DENSITY)?;
-        let mut aim = density;
-        for fall in 1.. {
+        let (mut aim, mut falls) = (density, 1);
+        loop {
             let mut report = self.deposit_as(settings, settling, area, fallen)?;
             let measured = if falls_anew { self.measured_density() } else { None };
             let pilot = ICE_DENSITY * fill;
             report.reached = Some(Reached { settling, asked: density, pilot, measured });
             let off = measured.map_or(1.0, |measured| measured / density);
-            if (off - 1.0).abs() <= CLOSE_ENOUGH || fall == MOST_FALLS {
+            if (off - 1.0).abs() <= CLOSE_ENOUGH || falls == MOST_FALLS {
                 return Ok(report);
             }
             aim /= off.clamp(0.5, 2.0);
@@ -111,8 +111,8 @@ impl Snowfall<'_> {
                 Err(_) => return Ok(report),
             }
             (self.pile, self.snowfalls) = (Pile::default(), self.snowfalls - 1);
+            falls += 1;
         }
-        unreachable!("the last fall returns")
     }
 
     /// Density of all that lies, kg/m^3, where it is deep enough, and not so much that it could not be held

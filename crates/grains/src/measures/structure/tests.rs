@@ -30,7 +30,7 @@ fn fallen(rule: DepositRule, width: f64) -> (GrainField, [f64; 2]) {
 #[test]
 fn mean_chords_in_air_are_those_of_the_theorem() {
     for (rule, width) in
-        [(DepositRule::Stick, 160.0), (DepositRule::Roll, 90.0), (DepositRule::Ray, 120.0)]
+        [(DepositRule::Stick, 160.0), (DepositRule::Roll, 130.0), (DepositRule::Ray, 120.0)]
     {
         let (field, period) = fallen(rule, width);
         let found = Structure::of(&field, Extent::Periodic(period), &|_| false);
