@@ -27,6 +27,11 @@ const MOST_COMPACTED: f64 = 0.62;
 pub const PACK_DENSITIES: [f64; 2] = [20.0, 750.0];
 /// Grains of a pack, about.
 const GRAINS: f64 = 30_000.0;
+/// Of snow lighter than this, kg/m^3, there are more grains, since its aggregates must be many, and more depth
+/// is left below and above, in mean radii.
+const LIGHT: f64 = 140.0;
+const GRAINS_OF_LIGHT: f64 = 100_000.0;
+const MARGIN_OF_LIGHT: f64 = 80.0;
 /// Least period, in largest radii.
 const LEAST_PERIOD: f64 = 24.0;
 /// Depth left below and above the slab, in mean radii: where snow feels floor or sky.
@@ -152,13 +157,16 @@ impl PackSettings {
         let radii = &self.radii;
         let ball = 4.0 / 3.0 * PI * radii.mean_cube();
         let fallen = self.density.min(MOST_FALLEN);
-        let edge = trig::cbrt(GRAINS * ball * ICE_DENSITY / fallen);
+        let is_light = self.density < LIGHT;
+        let (grains, margin) =
+            if is_light { (GRAINS_OF_LIGHT, MARGIN_OF_LIGHT) } else { (GRAINS, MARGIN) };
+        let edge = trig::cbrt(grains * ball * ICE_DENSITY / fallen);
         let edge = edge.max(LEAST_PERIOD * radii.largest());
         let quantisation = Quantisation::from_parts(DVec3::ZERO, quantum);
         let mut snow = Snowfall::on_level_floor(quantisation, [edge; 2])?;
         let rolls = self.density > MOST_FALLEN;
         let report = snow.deposit(&DepositSettings {
-            amount: Amount::Depth(edge + 2.0 * MARGIN * radii.mean()),
+            amount: Amount::Depth(edge + 2.0 * margin * radii.mean()),
             radii: radii.clone(),
             density: (!rolls).then_some(self.density),
             rule: rolls.then_some(DepositRule::Roll),
@@ -169,7 +177,7 @@ impl PackSettings {
         })?;
         let settling = report.reached.map_or(Settling::Roll, |reached| reached.settling);
         let [x, z] = snow.period().unwrap_or([edge; 2]).map(|edge| (edge / quantum).round());
-        let bottom = MARGIN * radii.mean() / quantum;
+        let bottom = margin * radii.mean() / quantum;
         let height = (edge / quantum).round();
         let (mut centers, mut sizes) = (Vec::new(), Vec::new());
         for grain in snow.into_field().quantised() {

@@ -78,7 +78,7 @@ pub fn reached_solid_fraction(
 impl Snowfall<'_> {
     /// Lets snow fall so that it has a density.
     ///
-    /// Where nothing lay before, the snow itself is measured, since it is less dense on steep ground and
+    /// Where nothing lay before, snow of single grains is measured, since it is less dense on steep ground and
     /// towards the edge of the area than pilots are on a level floor; it falls anew, up to
     /// [`MOST_FALLS`] times in all, by the settling that makes up for that.
     pub(super) fn deposit_to_density(
@@ -96,7 +96,9 @@ impl Snowfall<'_> {
         let (mut aim, mut falls) = (density, 1);
         loop {
             let mut report = self.deposit_as(settings, settling, area, fallen)?;
-            let measured = if falls_anew { self.measured_density() } else { None };
+            // Aggregates are as large as the squares in which snow is measured.
+            let is_fine = !matches!(settling, Settling::Aggregates { .. });
+            let measured = if falls_anew && is_fine { self.measured_density() } else { None };
             let pilot = ICE_DENSITY * fill;
             report.reached = Some(Reached { settling, asked: density, pilot, measured });
             let off = measured.map_or(1.0, |measured| measured / density);

@@ -5,7 +5,7 @@
 //! the search would find of a uniform light is compared with what paths find, which is exact: some paths
 //! are followed before the picture, with random numbers of their own; at each arrival a way out is drawn
 //! as if the place were random, and counted where it is clear, and so are the ways by which paths escape.
-//! Factors on what the search finds make the counts agree ([`super::gains`]). In uniform light it is then right
+//! Factors on what the search finds make the counts agree (`gains`). In uniform light it is then right
 //! on average; in any other what is left is how the ratio changes within a class.
 
 use super::agreement::Agreement;
