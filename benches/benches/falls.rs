@@ -58,8 +58,8 @@ fn main() {
     variants(&filters);
 }
 
-const EQUAL: Radii = Radii { mean: RADIUS, variation: 0.0 };
-const WIDE: Radii = Radii { mean: RADIUS, variation: RADIUS };
+const EQUAL: Radii = Radii::Uniform { mean: RADIUS, variation: 0.0 };
+const WIDE: Radii = Radii::Uniform { mean: RADIUS, variation: RADIUS };
 
 /// Wind, wide radii, and fine snow on coarse.
 fn variants(filters: &Filters) {
@@ -121,9 +121,9 @@ impl Falls {
         let surfaces = surfaces(self.ground, width);
         let settings = DepositSettings {
             amount: Amount::Grains(grains),
-            radii: self.radii,
+            radii: self.radii.clone(),
             density: None,
-            rule: self.rule,
+            rule: Some(self.rule),
             max_slope_degrees: 90.0,
             direction: if self.wind { [0.5, -1.0, 0.2] } else { DepositSettings::DOWN },
             area: Some([-0.5 * width, -0.5 * width, 0.5 * width, 0.5 * width]),
@@ -152,13 +152,13 @@ fn surfaces(ground: Ground, width: f64) -> Option<Surfaces> {
 
 /// A layer of grains a hundred times larger, snow on them, and large ones on that snow.
 fn hundred_to_one(name: &str, rule: DepositRule) {
-    let coarse = Radii { mean: 100.0 * RADIUS, variation: 0.0 };
+    let coarse = Radii::Uniform { mean: 100.0 * RADIUS, variation: 0.0 };
     let width = 1000.0 * RADIUS;
-    let quantisation = Quantisation::for_grains(DVec3::ZERO, coarse.mean);
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, coarse.mean());
     let mut snow = Snowfall::on_level_floor(quantisation, [width; 2]).expect("it is wide");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
     for (part, radii, grains) in [
-        ("coarse", coarse, 50),
+        ("coarse", coarse.clone(), 50),
         ("fine on coarse", EQUAL, 1_000_000),
         ("coarse on fine", coarse, 50),
     ] {
@@ -166,7 +166,7 @@ fn hundred_to_one(name: &str, rule: DepositRule) {
             amount: Amount::Grains(grains),
             radii,
             density: None,
-            rule,
+            rule: Some(rule),
             max_slope_degrees: 90.0,
             direction: DepositSettings::DOWN,
             area: None,

@@ -55,6 +55,8 @@ fn scene(name: &str, changes: &[&str]) -> Scene {
         import: &mut |_| Err("it refers to no file".into()),
         environment: &mut |_| Err("it refers to no file".into()),
         texture: &mut |_| Err("it refers to no file".into()),
+        sizes: &mut |_| Err("it refers to no file".into()),
+        plan_image: &mut |_| Err("it refers to no file".into()),
     };
     let description = resolve(&file, loader).expect("it is legal");
     Scene::build(&description, &mut |_| ()).expect("its snow can be made")

@@ -56,9 +56,9 @@ pub fn pile(rule: DepositRule, grains: u64, layers: f64) -> (GrainField, [f64; 2
         Snowfall::on_level_floor(quantisation, [width; 2]).expect("the floor is wide enough");
     let settings = DepositSettings {
         amount: Amount::Grains(grains),
-        radii: Radii { mean: RADIUS, variation: 0.0 },
+        radii: Radii::Uniform { mean: RADIUS, variation: 0.0 },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 90.0,
         direction: DepositSettings::DOWN,
         area: None,

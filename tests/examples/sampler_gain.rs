@@ -23,6 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         import: &mut |_| Err("no shots".into()),
         environment: &mut |_| Err("no maps".into()),
         texture: &mut |_| Err("nor to a picture".into()),
+        sizes: &mut |_| Err("nor to a picture".into()),
+        plan_image: &mut |_| Err("nor to a picture".into()),
     };
     let mut scene = Scene::build(&resolve(&file, loader)?, &mut |_| ())?;
     let crop = match arguments.get(2..6) {

@@ -35,6 +35,8 @@ fn changed(changes: &[&str]) -> Scene {
         import: &mut |_| Err("no shots".into()),
         environment: &mut |_| Err("no maps".into()),
         texture: &mut |_| Err("no pictures".into()),
+        sizes: &mut |_| Err("no pictures".into()),
+        plan_image: &mut |_| Err("no pictures".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }

@@ -6,6 +6,7 @@ mod deposit;
 mod develop;
 mod display;
 mod groups;
+mod inspect;
 mod job;
 mod laboratory_values;
 mod measure;
@@ -28,6 +29,7 @@ pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
 pub(crate) use display::{Bits, DisplayArguments};
 pub(crate) use groups::GroupFactor;
+pub(crate) use inspect::InspectArguments;
 pub(crate) use job::{JobArguments, JobKind, PlanArguments, RunArguments, StatusArguments};
 pub(crate) use measure::{
     CubeArguments, LightSearchArguments, MeasureArguments, MeasureKind, Side, SlabArguments,
@@ -70,6 +72,7 @@ pub(crate) enum Command {
     Develop(DevelopArguments),
     Merge(MergeArguments),
     Job(JobArguments),
+    Inspect(Box<InspectArguments>),
     Scenes(ScenesArguments),
     Compare(CompareArguments),
     Measure(MeasureArguments),

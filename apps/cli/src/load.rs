@@ -7,8 +7,8 @@ use snowgrain_formats::scene::{
     builtin_scenes, resolve, scene_for_mesh, scene_for_shot,
 };
 use snowgrain_formats::{
-    ImportedScene, PlyContent, load_environment, load_mesh, load_texture, ply_content, read_gltf,
-    read_grains,
+    ImportedScene, PlyContent, load_environment, load_mesh, load_plan_image, load_texture,
+    ply_content, read_gltf, read_grains, read_sizes,
 };
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_render::description::SceneDescription;
@@ -83,6 +83,8 @@ pub(crate) fn load(
         grains: &mut |path| Ok(read_grains(path)?),
         environment: &mut |path| Ok(load_environment(path)?),
         texture: &mut |path| Ok(load_texture(path)?),
+        sizes: &mut |path| Ok(read_sizes(path)?),
+        plan_image: &mut |path| Ok(load_plan_image(path)?),
         import: &mut |path| {
             let shot = match given_shot.take_if(|(known, _)| known == path) {
                 Some((_, shot)) => shot,

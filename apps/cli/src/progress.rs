@@ -78,6 +78,7 @@ impl Progress {
             BuildStage::Snow { index } => {
                 let does = match snow.get(index) {
                     Some(SnowDescription::Deposit(_)) => "falls",
+                    Some(SnowDescription::Filled(_)) => "is packed",
                     _ => "is placed",
                 };
                 format!("snow {does} ({} of {})", index + 1, snow.len())

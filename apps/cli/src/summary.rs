@@ -3,9 +3,8 @@
 use crate::budget::readable_bytes;
 use crate::process::{self, Spent};
 use serde::Serialize;
-use snowgrain_grains::DepositReport;
 use snowgrain_render::description::Packing;
-use snowgrain_render::{BuildReport, BuildStage, Statistics};
+use snowgrain_render::{BuildReport, BuildStage, SnowReport, Statistics};
 
 /// Time that the stages of a build took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,24 +78,72 @@ pub(crate) struct NoiseFigures {
 }
 
 /// What became of the grains of one snowfall.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct SnowfallFigures {
     pub(crate) accepted: u64,
     pub(crate) discarded: u64,
     pub(crate) missed: u64,
     pub(crate) unsettled: u64,
+    /// How the density asked for was reached, where one was.
+    pub(crate) density: Option<DensityFigures>,
 }
 
-impl From<&DepositReport> for SnowfallFigures {
-    fn from(report: &DepositReport) -> Self {
-        let &DepositReport { accepted, discarded, missed, unsettled } = report;
-        Self { accepted, discarded, missed, unsettled }
+/// How a density was reached; kg/m^3.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct DensityFigures {
+    pub(crate) asked: f64,
+    /// Measured where the snow lies, or of the pack, or of the last pilot.
+    pub(crate) reached: f64,
+    pub(crate) by: String,
+}
+
+impl DensityFigures {
+    fn line(&self) -> String {
+        let Self { asked, reached, by } = self;
+        format!("density {asked} kg/m3 asked for, {reached:.1} by {by}")
     }
 }
 
-/// The figures of all snowfalls; `None` for snow that was placed.
-pub(crate) fn snowfalls(reports: &[Option<DepositReport>]) -> Vec<Option<SnowfallFigures>> {
-    reports.iter().map(|report| report.as_ref().map(SnowfallFigures::from)).collect()
+impl SnowfallFigures {
+    fn of(report: &SnowReport) -> Option<Self> {
+        match report {
+            SnowReport::Fell(fall) => Some(Self {
+                accepted: fall.accepted,
+                discarded: fall.discarded,
+                missed: fall.missed,
+                unsettled: fall.unsettled,
+                density: fall.reached.map(|reached| DensityFigures {
+                    asked: reached.asked,
+                    reached: reached.density(),
+                    by: reached.settling.to_string(),
+                }),
+            }),
+            SnowReport::Filled(pack) => Some(Self {
+                accepted: pack.grains,
+                discarded: 0,
+                missed: 0,
+                unsettled: 0,
+                density: Some(DensityFigures {
+                    asked: pack.asked,
+                    reached: pack.density,
+                    by: pack.method.to_string(),
+                }),
+            }),
+            SnowReport::Placed => None,
+        }
+    }
+}
+
+/// The figures of all bodies of snow; `None` for snow that was placed.
+pub(crate) fn snowfalls(reports: &[SnowReport]) -> Vec<Option<SnowfallFigures>> {
+    reports.iter().map(SnowfallFigures::of).collect()
+}
+
+/// How the densities asked for were reached, a line each.
+pub(crate) fn density_lines(
+    snowfalls: &[Option<SnowfallFigures>],
+) -> impl Iterator<Item = String> + '_ {
+    snowfalls.iter().flatten().filter_map(|fall| fall.density.as_ref()).map(DensityFigures::line)
 }
 
 /// What a render did, as its parts report it.
@@ -140,7 +187,7 @@ impl Run<'_> {
             trapped_paths: counts.trapped_paths,
             rays: counts.rays,
             mean_radiance: self.mean_radiance,
-            snowfalls: snowfalls(&report.snowfalls),
+            snowfalls: snowfalls(&report.snow),
             packing: match self.packing {
                 Packing::Fast => "fast",
                 Packing::Compact => "compact",
@@ -176,6 +223,7 @@ impl RunFigures {
                 grouped(missed)
             ));
         }
+        lines.extend(density_lines(&self.snowfalls));
         lines.push(format!(
             "snow {}, surfaces and packing {}, rendering {}",
             seconds(self.deposit_seconds, self.deposit_cpu_seconds),

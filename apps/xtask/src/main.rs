@@ -1,7 +1,8 @@
-//! Tasks of the project: `cargo xtask validate`, `cargo xtask look` and `cargo xtask stress`.
+//! Tasks of the project: `cargo xtask validate`, `look`, `packings` and `stress`.
 
 mod figure;
 mod look;
+mod packings;
 mod program;
 mod report;
 mod sections;
@@ -26,6 +27,8 @@ enum Task {
     Validate(validate::Options),
     /// Measures close pictures of snow against what real snow shows, and writes look.md
     Look(look::Options),
+    /// Makes snow of twelve densities, and writes packings.md
+    Packings(packings::Options),
     /// Kills, stops and starves renders, and counts what becomes of them
     #[cfg(unix)]
     Stress(stress::Options),
@@ -35,6 +38,7 @@ fn main() -> anyhow::Result<ExitCode> {
     let passed = match Arguments::parse().task {
         Task::Validate(options) => validate::validate(&options)?,
         Task::Look(options) => look::look(&options)?,
+        Task::Packings(options) => packings::packings(&options)?,
         #[cfg(unix)]
         Task::Stress(options) => stress::stress(&options)?,
     };

@@ -15,6 +15,8 @@
 //! | layers of snow (TOML) | [`laboratory::read_layers`] | |
 //! | map of all directions (HDR, EXR) | [`load_environment`] | |
 //! | picture on an object (PNG, JPEG, EXR, HDR) | [`load_texture`] | |
+//! | heights of snow, masks (the same) | [`load_plan_image`] | |
+//! | sizes of grains (text) | [`read_sizes`] | |
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
@@ -32,6 +34,7 @@ pub mod laboratory;
 mod mesh;
 mod ply;
 pub mod scene;
+mod sizes;
 #[cfg(test)]
 mod test_files;
 pub mod tev;
@@ -46,4 +49,5 @@ pub use gltf::{
 };
 pub use grains::{read_grains, write_grains};
 pub use mesh::{PlyContent, load_mesh, ply_content};
-pub use texture::load_texture;
+pub use sizes::read_sizes;
+pub use texture::{load_plan_image, load_texture};

@@ -67,6 +67,42 @@ pub(crate) fn mean_of_numbers(bytes: &[u8]) -> Option<[f32; 3]> {
     (count > 0).then(|| sums.map(|sum| (sum as f64 / (255.0 * count as f64)) as f32))
 }
 
+/// Reads a picture whose grey values are numbers, not colours: columns and rows, and the values row by
+/// row from the top; of PNG and JPEG as parts of white, not linearised; of OpenEXR and Radiance the mean
+/// of R, G and B as it stands.
+///
+/// # Errors
+/// As [`load_texture`].
+pub fn load_plan_image(path: &Path) -> Result<([usize; 2], Vec<f32>), FormatsError> {
+    numbers(&input::read_whole(path)?).map_err(|fault| fault.of(path))
+}
+
+fn numbers(bytes: &[u8]) -> Result<([usize; 2], Vec<f32>), Fault> {
+    let mean = |[r, g, b]: [f32; 3]| (r + g + b) / 3.0;
+    if bytes.starts_with(PNG_MAGIC) {
+        let image = decode_png(bytes)?;
+        let size = [image.width() as usize, image.height() as usize];
+        let white = f32::from(u16::MAX);
+        let values = image.into_rgb16().into_raw();
+        let pixels = values.chunks_exact(3).map(|p| [p[0], p[1], p[2]].map(f32::from));
+        return Ok((size, pixels.map(|pixel| mean(pixel) / white).collect()));
+    }
+    if bytes.starts_with(JPEG_MAGIC) {
+        let (size, values) = decode_jpeg(bytes)?;
+        let pixels = values.chunks_exact(3).map(|p| [p[0], p[1], p[2]].map(f32::from));
+        return Ok((size, pixels.map(|pixel| mean(pixel) / 255.0).collect()));
+    }
+    let (width, height, pixels) = if bytes.starts_with(exr::MAGIC) {
+        exr::decode_colours(bytes, &check_size)?
+    } else if bytes.starts_with(RADIANCE_MAGIC) {
+        decode_radiance(bytes, &check_size)?
+    } else {
+        let mend = "give a PNG, JPEG, OpenEXR (.exr) or Radiance (.hdr) file";
+        return Err(Fault::whole("this is not a picture that Snowgrain reads", mend));
+    };
+    Ok(([width, height], pixels.into_iter().map(mean).collect()))
+}
+
 fn png(bytes: &[u8]) -> Result<Texture, Fault> {
     let image = decode_png(bytes)?;
     let size = [image.width() as usize, image.height() as usize];
@@ -210,6 +246,15 @@ mod tests {
         assert!(grey.iter().all(|c| (c - 0.4969).abs() < 1e-3), "{grey:?}");
         assert_eq!(decode(&openexr(0.25)).unwrap().at([0.9; 2]), [0.25, 0.5, 1.0]);
         assert_eq!(mean_of_numbers(&eight), Some([188.0 / 255.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn numbers_stand_as_they_are() {
+        let grey = encoded(&[51, 255], [2, 1], ExtendedColorType::L8);
+        let (size, values) = numbers(&grey).unwrap();
+        assert!(size == [2, 1] && (values[0] - 0.2).abs() < 1e-6 && values[1] == 1.0, "{values:?}");
+        assert_eq!(numbers(&openexr(0.5)).unwrap().1, [1.0, 1.0]);
+        assert!(numbers(b"hello").is_err());
     }
 
     #[test]

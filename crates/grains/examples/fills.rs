@@ -24,9 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     let report = snow.deposit(&DepositSettings {
         amount: Amount::Grains(grains),
-        radii: Radii { mean: radius, variation: 0.0 },
+        radii: Radii::Uniform { mean: radius, variation: 0.0 },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 90.0,
         direction: DepositSettings::DOWN,
         area: None,

@@ -19,8 +19,12 @@
 //!
 //! A fall is a function of (seed, number of the snowfall, number of the drop) and of what lies.
 
+mod aggregates;
+mod arc;
 mod area;
 mod batch;
+mod calibrate;
+mod clumps;
 mod depth;
 mod fill;
 mod ground;
@@ -31,14 +35,17 @@ mod roof;
 mod rules;
 mod speculate;
 
+use crate::fill::KnownPacks;
 use crate::lattice::lattice_grains;
-use crate::{Amount, DepositSettings, GrainField, GrainsError, LatticeSettings};
+use crate::{
+    Amount, DepositSettings, GrainField, GrainsError, ICE_DENSITY, LatticeSettings, Settling,
+};
 use ground::Ground;
 use pile::Pile;
 use rules::Drop;
 
-pub use fill::reached_solid_fraction;
-use snowgrain_accel::{GrainStacks, RegionEdge, SimdLevel, Surfaces};
+pub use calibrate::{Reached, reached_solid_fraction};
+use snowgrain_accel::{GrainStacks, PlanRectangle, RegionEdge, SimdLevel, Surfaces};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 
 /// Drops in a row without a grain that lies, after which a snowfall gives up (it looks after each
@@ -46,7 +53,7 @@ use snowgrain_geometry::{Quantisation, QuantisedGrain};
 const HOPELESS_DROPS: u64 = 200_000;
 
 /// What became of the grains of one snowfall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DepositReport {
     /// Grains that lie.
     pub accepted: u64,
@@ -57,6 +64,8 @@ pub struct DepositReport {
     /// Of the accepted: rolling grains that were left where they touched others after too many
     /// turns, without a stable support.
     pub unsettled: u64,
+    /// How the density asked for is reached, where one was.
+    pub reached: Option<Reached>,
 }
 
 /// Snow in the making: what lies, and what it lies on.
@@ -68,6 +77,8 @@ pub struct Snowfall<'a> {
     pile: Pile,
     /// Grains placed since the last deposit.
     placed: Vec<QuantisedGrain>,
+    /// Packs that bodies were filled with.
+    packs: KnownPacks,
     snowfalls: u64,
     simd_level: SimdLevel,
     /// Follows drops one after another on all of the plan: the meaning of all other ways.
@@ -101,10 +112,19 @@ impl<'a> Snowfall<'a> {
             ground,
             pile: Pile::default(),
             placed: Vec::new(),
+            packs: KnownPacks::default(),
             snowfalls: 0,
             simd_level: SimdLevel::detect(),
             sequential: false,
         }
+    }
+
+    pub(crate) fn quantisation(&self) -> Quantisation {
+        self.quantisation
+    }
+
+    pub(crate) fn known_packs(&mut self) -> &mut KnownPacks {
+        &mut self.packs
     }
 
     /// Uses this SIMD level instead of the best one; the grains do not change.
@@ -191,23 +211,41 @@ impl<'a> Snowfall<'a> {
         settings.check(self.quantisation.largest_radius())?;
         self.ground.turn(settings.drift());
         let area = self.area(settings)?;
-        fill::check_density(settings, self.quantisation.quantum(), area)?;
-        let class = self.prepare_stacks(settings, area)?;
+        match settings.density {
+            Some(density) => self.deposit_to_density(settings, density, area, fallen),
+            None => {
+                let settling = Settling::of_rule(settings.plain_rule());
+                self.deposit_as(settings, settling, area, fallen)
+            }
+        }
+    }
+
+    /// Lets grains come to rest so, whatever density that gives.
+    fn deposit_as(
+        &mut self,
+        settings: &DepositSettings,
+        settling: Settling,
+        area: PlanRectangle,
+        fallen: &mut dyn FnMut(u64),
+    ) -> Result<DepositReport, GrainsError> {
+        let class = self.prepare_stacks((settings, settling), area)?;
         let lowest = self.lowest();
         let quantum = self.quantisation.quantum();
         let drawn = settings.radii.largest() / quantum;
         let drops = fill::expected_grains(settings, quantum, area);
         let plan = area::grown(area, drawn as u16);
-        self.ground.prepare(plan, settings.rule.surface_reach(drawn.ceil()), drops);
+        self.ground.prepare(plan, settling.surface_reach(drawn.ceil()), drops);
         let (stacks, others) = self.pile.split(class);
         let mut falling = Falling {
             drop: Drop::new(
                 settings,
+                settling,
                 &self.quantisation,
                 &self.ground,
                 (area, lowest),
                 self.snowfalls,
             ),
+            fill: settings.density.map_or(1.0, |density| density / ICE_DENSITY),
             edge: batch::region_edge(stacks),
             sequential: self.sequential,
             stacks,
@@ -267,6 +305,8 @@ struct Falling<'f> {
     /// Edge of the regions that threads own.
     edge: RegionEdge,
     sequential: bool,
+    /// Solid fraction asked for; 1 where none is.
+    fill: f64,
     report: DepositReport,
     drops: u64,
     drops_since_success: u64,

@@ -4,13 +4,18 @@ mod buckets;
 mod columns;
 mod connections;
 mod fractions;
+mod lines;
+mod region;
+mod structure;
 
 pub use columns::solid_fractions_along_lines;
-pub use connections::{Connections, TOUCH_TOLERANCE_QUANTA, connections};
+pub use connections::{Connections, TOUCH_TOLERANCE_QUANTA, connections, connections_of_pack};
 pub use fractions::{
     Estimate, Slab, mean_surface_height, nominal_solid_fraction, solid_fraction_profile,
     union_solid_fraction,
 };
+
+pub use structure::{Directed, Sizes, Structure};
 
 use crate::GrainField;
 use snowgrain_geometry::Grain;

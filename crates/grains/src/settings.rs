@@ -1,49 +1,9 @@
 //! What a user asks of snow: resolved, in metres, checked by the functions that take it.
 
-use crate::GrainsError;
+use crate::{GrainsError, Radii};
 
 /// Density of ice, kg/m^3.
 pub const ICE_DENSITY: f64 = 917.0;
-
-/// Radii of grains: uniform between `mean - variation` and `mean + variation` (the paper, section
-/// 4.1), metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Radii {
-    /// Mean radius r, metres, > 0.
-    pub mean: f64,
-    /// Half-width r_sigma of the uniform distribution, metres, between 0 and `mean`.
-    pub variation: f64,
-}
-
-impl Radii {
-    /// Largest radius that can be drawn, metres.
-    #[must_use]
-    pub fn largest(&self) -> f64 {
-        self.mean + self.variation
-    }
-
-    /// Mean of the cube of the radius, cubic metres.
-    #[must_use]
-    pub fn mean_cube(&self) -> f64 {
-        self.mean * (self.mean * self.mean + self.variation * self.variation)
-    }
-
-    /// # Errors
-    /// A mean that is not positive and finite, a variation that is not between 0 and the mean.
-    pub fn check(&self) -> Result<(), GrainsError> {
-        let Self { mean, variation } = *self;
-        if !(mean > 0.0 && mean.is_finite()) {
-            let reason = format!("is {mean} m, but must be a positive finite length");
-            return Err(GrainsError::setting("radius", reason));
-        }
-        if !(0.0..=mean).contains(&variation) {
-            let reason =
-                format!("is {variation} m, but must lie between 0 and the radius, {mean} m");
-            return Err(GrainsError::setting("variation", reason));
-        }
-        Ok(())
-    }
-}
 
 /// How much snow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,26 +25,6 @@ pub enum DepositRule {
     Roll,
 }
 
-impl DepositRule {
-    /// How far from its line of fall a grain may meet others, where none has a larger radius.
-    pub(crate) fn reach(self, radius: f64) -> f64 {
-        match self {
-            Self::Ray => radius,
-            Self::Stick | Self::Roll => 2.0 * radius,
-        }
-    }
-
-    /// How far beside it a falling or rolling grain may ask for surfaces.
-    pub(crate) fn surface_reach(self, radius: f64) -> f64 {
-        match self {
-            Self::Ray => 0.0,
-            Self::Stick => radius,
-            // The ball around half a turn over another grain, grown by the radius.
-            Self::Roll => 4.0 * radius,
-        }
-    }
-}
-
 /// A snowfall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepositSettings {
@@ -92,10 +32,11 @@ pub struct DepositSettings {
     pub amount: Amount,
     /// Grain sizes.
     pub radii: Radii,
-    /// Wanted density of the snow, kg/m^3 of ice union (ice is 917), or what the rule gives.
+    /// Wanted density of the snow, kg/m^3 of ice union (ice is 917) between 20 and 80 % of its depth, or
+    /// what the rule gives.
     pub density: Option<f64>,
-    /// Where grains stop.
-    pub rule: DepositRule,
+    /// Where grains stop; `None`: as the density asks, or by the paper's rule where none is asked.
+    pub rule: Option<DepositRule>,
     /// A grain whose contact normal is steeper than this many degrees from straight up is
     /// discarded (the paper's cliffs); 0..=90.
     pub max_slope_degrees: f64,
@@ -134,6 +75,16 @@ impl DepositSettings {
             return Err(GrainsError::setting("direction", reason));
         }
         Ok(())
+    }
+
+    /// The same with another density, kg/m^3.
+    pub(crate) fn with_density(&self, density: f64) -> Self {
+        Self { density: Some(density), ..self.clone() }
+    }
+
+    /// Where grains stop while nothing is said of the density.
+    pub(crate) fn plain_rule(&self) -> DepositRule {
+        self.rule.unwrap_or(DepositRule::Ray)
     }
 
     /// # Errors
@@ -236,7 +187,7 @@ impl LatticeSettings {
     /// # Errors
     /// The first setting that means nothing.
     pub fn check(&self) -> Result<(), GrainsError> {
-        Radii { mean: self.radius, variation: 0.0 }.check()?;
+        Radii::equal(self.radius).check()?;
         if self.counts.contains(&0) {
             return Err(GrainsError::setting("counts", "must each be at least 1"));
         }

@@ -7,7 +7,9 @@ pub use crate::surface::Surface;
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
-use snowgrain_grains::{DepositSettings, FieldShapes, GrainField, LatticeSettings, ShapeMix};
+use snowgrain_grains::{
+    DepositSettings, FieldShapes, FillSettings, GrainField, LatticeSettings, ShapeMix,
+};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::sync::Arc;
@@ -287,7 +289,12 @@ impl SceneDescription {
             (None, SnowDescription::Grains(field)) => {
                 field.shapes().map_or(1.0, FieldShapes::largest_reach)
             }
-            (None, SnowDescription::Deposit(_) | SnowDescription::Lattice(_)) => 1.0,
+            (
+                None,
+                SnowDescription::Deposit(_)
+                | SnowDescription::Filled(_)
+                | SnowDescription::Lattice(_),
+            ) => 1.0,
         }
     }
 }
@@ -297,6 +304,8 @@ impl SceneDescription {
 pub enum SnowDescription {
     /// A snowfall on objects and earlier snow.
     Deposit(DepositSettings),
+    /// A body of packed grains.
+    Filled(FillSettings),
     /// A crystal lattice.
     Lattice(LatticeSettings),
     /// Grains as they are (from a file).
@@ -308,7 +317,7 @@ impl SnowDescription {
     #[must_use]
     pub fn has_shapes(&self) -> bool {
         match self {
-            Self::Deposit(_) | Self::Lattice(_) => false,
+            Self::Deposit(_) | Self::Filled(_) | Self::Lattice(_) => false,
             Self::Grains(field) => field.shapes().is_some(),
         }
     }

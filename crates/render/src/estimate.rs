@@ -114,6 +114,9 @@ impl CostEstimate {
         for (index, snow) in description.snow.iter().enumerate() {
             let (grains, body) = match snow {
                 SnowDescription::Deposit(settings) => fallen(settings, &bounds),
+                SnowDescription::Filled(settings) => {
+                    (settings.expected_grains(), settings.body.bounds())
+                }
                 SnowDescription::Lattice(settings) => {
                     (settings.full_count() as f64, lattice_box(settings))
                 }
@@ -221,8 +224,10 @@ impl CostEstimate {
         let grain = size_of::<QuantisedGrain>() as f64;
         // What was placed is held once more while it becomes part of the snow.
         let (held, falling) = match snow {
-            SnowDescription::Deposit(settings) => (grain, seconds_to_fall(settings.rule)),
-            SnowDescription::Lattice(_) | SnowDescription::Grains(_) => (2.0 * grain, 0.0),
+            SnowDescription::Deposit(settings) => (grain, seconds_to_fall(settings)),
+            SnowDescription::Filled(_)
+            | SnowDescription::Lattice(_)
+            | SnowDescription::Grains(_) => (2.0 * grain, 0.0),
         };
         self.add_grains(grains, held, falling, packing);
     }
@@ -240,22 +245,24 @@ impl CostEstimate {
     }
 }
 
-fn seconds_to_fall(rule: DepositRule) -> f64 {
-    match rule {
-        DepositRule::Ray => SECONDS_PER_RAY_GRAIN,
-        DepositRule::Stick => SECONDS_PER_STICK_GRAIN,
-        DepositRule::Roll => SECONDS_PER_ROLL_GRAIN,
+fn seconds_to_fall(settings: &DepositSettings) -> f64 {
+    match settings.rule {
+        Some(DepositRule::Ray) => SECONDS_PER_RAY_GRAIN,
+        Some(DepositRule::Stick) => SECONDS_PER_STICK_GRAIN,
+        Some(DepositRule::Roll) => SECONDS_PER_ROLL_GRAIN,
+        None if settings.density.is_none() => SECONDS_PER_RAY_GRAIN,
+        None => SECONDS_PER_ROLL_GRAIN,
     }
 }
 
 /// Part of space that the volumes of fallen grains make up, overlaps counted twice.
 fn nominal_fraction(settings: &DepositSettings) -> f64 {
     match (settings.density, settings.rule) {
-        (Some(density), DepositRule::Ray) => 1.2 * density / ICE_DENSITY,
+        (Some(density), Some(DepositRule::Ray)) => 1.2 * density / ICE_DENSITY,
         (Some(density), _) => density / ICE_DENSITY,
-        (None, DepositRule::Ray) => 0.55,
-        (None, DepositRule::Stick) => 0.2,
-        (None, DepositRule::Roll) => 0.58,
+        (None, Some(DepositRule::Ray) | None) => 0.55,
+        (None, Some(DepositRule::Stick)) => 0.2,
+        (None, Some(DepositRule::Roll)) => 0.58,
     }
 }
 
@@ -296,6 +303,7 @@ pub(crate) fn lattice_box(settings: &LatticeSettings) -> Aabb {
 fn radius_of(snow: &SnowDescription) -> f64 {
     match snow {
         SnowDescription::Deposit(settings) => settings.radii.largest(),
+        SnowDescription::Filled(settings) => settings.pack.radii.largest(),
         SnowDescription::Lattice(settings) => settings.radius,
         SnowDescription::Grains(field) => {
             f64::from(field.largest_radius_quanta()) * field.quantisation.quantum()

@@ -27,7 +27,7 @@ pub use render::{
     PILOT_SAMPLES, Pilot, RenderControl, RenderSettings, Rendered, Rendering, block_counts,
     empty_film, render, render_blocks_with, render_with,
 };
-pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of};
+pub use scene::{BuildReport, BuildStage, Scene, SnowReport, deposit, deposit_at, surfaces_of};
 pub use scene_hash::recipe;
 pub use snowgrain_accel::{STRATA, SimdLevel};
 pub use statistics::Statistics;

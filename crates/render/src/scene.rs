@@ -13,7 +13,7 @@ use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
 use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
 use snowgrain_grains::{
-    DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
+    DepositReport, FillReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
 use snowgrain_math::{Aabb, DAffine3, DVec3};
 use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
@@ -47,11 +47,22 @@ pub enum BuildStage {
     Light,
 }
 
+/// What was made of a body of snow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SnowReport {
+    /// A snowfall.
+    Fell(DepositReport),
+    /// A body of packed grains.
+    Filled(FillReport),
+    /// Grains were put where they were told.
+    Placed,
+}
+
 /// What a build made.
 #[derive(Clone, Debug, Default)]
 pub struct BuildReport {
-    /// Of each snowfall; `None` for snow that was placed.
-    pub snowfalls: Vec<Option<DepositReport>>,
+    /// Of each body of snow, in order.
+    pub snow: Vec<SnowReport>,
     /// Number of grains.
     pub grains: u64,
     /// Memory of the grains and their acceleration while rendering, bytes.
@@ -256,7 +267,7 @@ pub(crate) fn light_layers(
 pub fn deposit(
     description: &SceneDescription,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainField, Vec<Option<DepositReport>>), RenderError> {
+) -> Result<(GrainField, Vec<SnowReport>), RenderError> {
     deposit_at(description, SimdLevel::detect(), stage)
 }
 
@@ -268,13 +279,13 @@ pub fn deposit_at(
     description: &SceneDescription,
     level: SimdLevel,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainField, Vec<Option<DepositReport>>), RenderError> {
+) -> Result<(GrainField, Vec<SnowReport>), RenderError> {
     stage(BuildStage::Surfaces);
     let surfaces = surfaces_of(description);
     let mut report = BuildReport::default();
     let mut known = KnownGrains::of_shapes(description);
     let field = fall(description, (&surfaces, level), &mut known, &mut report, stage)?;
-    Ok((field, report.snowfalls))
+    Ok((field, report.snow))
 }
 
 /// The surfaces of a scene's objects, in their order, without lamps. Objects with the same mesh share it.
@@ -330,7 +341,7 @@ fn build_grid(
         let lattice = implicit_lattice(settings, quantisation, surfaces, searched)?;
         if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);
-            report.snowfalls.push(None);
+            report.snow.push(SnowReport::Placed);
             let surfaces = with_lamps.unwrap_or(objects);
             return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
         }
@@ -400,12 +411,15 @@ fn fall(
         let result = match snow {
             SnowDescription::Deposit(settings) => {
                 let mut fallen = |grains| stage(BuildStage::Fallen { index, grains });
-                snowfall.deposit_telling(settings, &mut fallen).map(Some)
+                snowfall.deposit_telling(settings, &mut fallen).map(SnowReport::Fell)
             }
-            SnowDescription::Lattice(settings) => snowfall.lattice(settings).map(|()| None),
-            SnowDescription::Grains(field) => snowfall.place(field).map(|()| None),
+            SnowDescription::Filled(settings) => snowfall.fill(settings).map(SnowReport::Filled),
+            SnowDescription::Lattice(settings) => {
+                snowfall.lattice(settings).map(|()| SnowReport::Placed)
+            }
+            SnowDescription::Grains(field) => snowfall.place(field).map(|()| SnowReport::Placed),
         };
-        report.snowfalls.push(result.map_err(|source| RenderError::Snow { index, source })?);
+        report.snow.push(result.map_err(|source| RenderError::Snow { index, source })?);
         known.learn(index, &snowfall);
     }
     known.shaped(snowfall.into_field())
@@ -422,7 +436,8 @@ fn check_sizes(
 ) -> Result<(), RenderError> {
     for (index, snow) in description.snow.iter().enumerate() {
         let mean = match snow {
-            SnowDescription::Deposit(settings) => settings.radii.mean,
+            SnowDescription::Deposit(settings) => settings.radii.mean(),
+            SnowDescription::Filled(settings) => settings.pack.radii.mean(),
             SnowDescription::Lattice(settings) => settings.radius,
             SnowDescription::Grains(_) => continue,
         };
@@ -457,6 +472,10 @@ fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quant
                     bounds =
                         bounds.union(&Aabb::new(DVec3::new(x0, 0.0, z0), DVec3::new(x1, 0.0, z1)));
                 }
+            }
+            SnowDescription::Filled(settings) => {
+                largest = largest.max(settings.pack.radii.largest() * reach);
+                bounds = bounds.union(&settings.body.bounds());
             }
             SnowDescription::Lattice(settings) => {
                 largest = largest.max(settings.radius * reach);

@@ -170,9 +170,9 @@ fn grains_that_meet_a_mesh_and_a_plane_agree_with_the_oracle() {
 fn fall(amount: Amount, rule: DepositRule) -> DepositSettings {
     DepositSettings {
         amount,
-        radii: Radii { mean: 0.5, variation: 0.1 },
+        radii: Radii::Uniform { mean: 0.5, variation: 0.1 },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 80.0,
         direction: DepositSettings::DOWN,
         area: None,

@@ -177,9 +177,9 @@ fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
     let fall = |grains, mean, seed| {
         SnowDescription::Deposit(DepositSettings {
             amount: Amount::Grains(grains),
-            radii: Radii { mean, variation: 0.2 * mean },
+            radii: Radii::Uniform { mean, variation: 0.2 * mean },
             density: None,
-            rule: DepositRule::Ray,
+            rule: Some(DepositRule::Ray),
             max_slope_degrees: 80.0,
             direction: DepositSettings::DOWN,
             area: None,

@@ -27,9 +27,9 @@ const R: f64 = 0.5e-3;
 pub(crate) fn fall(rule: DepositRule, grains: u64, area: Option<[f64; 4]>) -> DepositSettings {
     DepositSettings {
         amount: Amount::Grains(grains),
-        radii: Radii { mean: R, variation: 0.0 },
+        radii: Radii::Uniform { mean: R, variation: 0.0 },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 90.0,
         direction: DepositSettings::DOWN,
         area,

@@ -60,9 +60,9 @@ impl Slab {
         let depth = 30.0 + 4.0 / 3.0 * tau / 0.15 + 50.0;
         snow.deposit(&DepositSettings {
             amount: Amount::Depth(depth * radius),
-            radii: Radii { mean: radius, variation: 0.0 },
+            radii: Radii::Uniform { mean: radius, variation: 0.0 },
             density: None,
-            rule: DepositRule::Stick,
+            rule: Some(DepositRule::Stick),
             max_slope_degrees: 90.0,
             direction: DepositSettings::DOWN,
             area: None,

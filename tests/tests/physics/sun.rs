@@ -44,6 +44,8 @@ fn scene(text: &str, changes: &[&str]) -> Scene {
         import: &mut |_| Err("no shot".into()),
         environment: &mut |_| Err("no map".into()),
         texture: &mut |_| Err("no texture".into()),
+        sizes: &mut |_| Err("no texture".into()),
+        plan_image: &mut |_| Err("no texture".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }

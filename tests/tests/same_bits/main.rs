@@ -38,6 +38,8 @@ fn description(name: &str) -> SceneDescription {
         import: &mut |_| Err("nor to shots".into()),
         environment: &mut |_| Err("nor to a map".into()),
         texture: &mut |_| Err("nor to a picture".into()),
+        sizes: &mut |_| Err("nor to a picture".into()),
+        plan_image: &mut |_| Err("nor to a picture".into()),
     };
     resolve(&file, loader).unwrap()
 }

@@ -8,7 +8,7 @@ use crate::output;
 use crate::process::{self, Stopwatch};
 use crate::progress::Progress;
 use crate::signals::Interrupts;
-use crate::summary::{SnowfallFigures, grouped, snowfalls};
+use crate::summary::{SnowfallFigures, density_lines, grouped, snowfalls};
 use crate::threads;
 use serde::Serialize;
 use snowgrain_accel::SimdLevel;
@@ -87,7 +87,10 @@ fn extent_of(description: &SceneDescription) -> Extent {
 }
 
 /// Whether a grain touches an object: to a few quanta, since it is rounded to them.
-fn lies_on_surface(description: &SceneDescription, quantum: f64) -> impl Fn(&Grain) -> bool {
+pub(super) fn lies_on_surface(
+    description: &SceneDescription,
+    quantum: f64,
+) -> impl Fn(&Grain) -> bool {
     let surfaces = surfaces_of(description);
     move |grain| {
         let mut touched = Vec::new();
@@ -153,7 +156,7 @@ impl Figures {
     }
 
     fn lines(&self) -> Vec<String> {
-        vec![
+        let mut lines = vec![
             format!(
                 "{} grains: {} accepted, {} discarded as too steep, {} fell past everything",
                 grouped(self.grains),
@@ -181,6 +184,8 @@ impl Figures {
                 100.0 * self.connected_fraction,
             ),
             format!("{:.2} s ({:.2} s CPU)", self.deposit_seconds, self.deposit_cpu_seconds),
-        ]
+        ];
+        lines.extend(density_lines(&self.snowfalls));
+        lines
     }
 }

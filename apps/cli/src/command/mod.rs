@@ -4,6 +4,7 @@ mod compare;
 mod denoise;
 mod deposit;
 mod develop;
+mod inspect;
 mod job;
 mod measure;
 mod merge;
@@ -22,6 +23,7 @@ pub(crate) fn run(command: &Command) -> Result<u8, Failure> {
         Command::Render(arguments) => render::run(arguments),
         Command::Deposit(arguments) => deposit::run(arguments),
         Command::Develop(arguments) => develop::run(arguments),
+        Command::Inspect(arguments) => inspect::run(arguments),
         Command::Job(arguments) => job::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),

@@ -5,7 +5,7 @@ mod brdf;
 mod cases;
 mod colour;
 mod phase;
-mod plot;
+pub(super) mod plot;
 mod profile;
 mod snow;
 mod spread;

@@ -13,6 +13,7 @@ mod lasting;
 mod light_in_snow;
 mod measures;
 mod noise;
+mod packings;
 mod pictures;
 mod shapes;
 #[cfg(unix)]

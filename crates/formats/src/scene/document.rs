@@ -8,12 +8,14 @@ mod camera;
 mod light;
 mod material;
 mod shapes;
+mod snow;
 
 pub use animate::{AnimateTable, AnimatedValue, BetweenName};
 pub use camera::{CameraKind, CameraTable, ImportTable};
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
 pub use shapes::{OrientationName, ShapeName, ShapeTable};
+pub use snow::{DepositRuleName, LatticeName, SnowSource, SnowTable};
 
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
@@ -295,136 +297,6 @@ pub enum ShapeKind {
     Teapot,
     /// Triangles from a file.
     Mesh,
-}
-
-/// A body of snow or a snowfall. Which keys may be used depends on `source`.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SnowTable {
-    /// "deposit" (grains fall on objects and earlier snow), "lattice" (a block of a crystal
-    /// lattice) or "file" (grains as they are, from `file`). "pack" is kept for a later version.
-    pub source: SnowSource,
-    /// Grain radius r: a length above 0, as "0.5 mm"; deposit, lattice.
-    #[serde(default)]
-    pub radius: Option<Length>,
-    /// Water in the snow, volume of liquid by volume of ice (the paper's W), 0 to 1: the water joins the
-    /// grains, whose radii grow by the cube root of 1 + wetness; default 0; deposit, lattice.
-    #[serde(default)]
-    pub wetness: Option<f64>,
-    /// Impurities between the grains of this snow beside those of `ice.impurities`, { dust-sahara =
-    /// "50 ppm" }, loads as there; dust on top is a thin snowfall that has it; default none; deposit,
-    /// lattice, file.
-    #[serde(default)]
-    pub impurities: BTreeMap<String, LoadText>,
-    /// Shapes of the grains, [[snow.shapes]], of which each grain has one at random; default spheres, or what
-    /// the file says; deposit, lattice, file.
-    #[serde(default)]
-    pub shapes: Vec<ShapeTable>,
-    /// Half-width of the uniform distribution of radii: a length, 0 to `radius`; default 0; deposit.
-    #[serde(default)]
-    pub variation: Option<Length>,
-    /// How many grains lie in the end: a whole number, at least 1, as 1_000_000; deposit (this or
-    /// `depth`).
-    #[serde(default)]
-    pub grains: Option<u64>,
-    /// How deep the snow lies on level ground: a length above 0, as "3 cm"; deposit (this or
-    /// `grains`).
-    #[serde(default)]
-    pub depth: Option<Length>,
-    /// Density of the snow in kg/m^3, above 0 and at most 917 (solid ice); default what the rule or
-    /// lattice gives; deposit, lattice.
-    #[serde(default)]
-    pub density: Option<f64>,
-    /// Where a falling grain stays: "ray" (the paper's; also "chrisman"), "stick" (at its first
-    /// contact) or "roll" (rolls to a stable rest); default "ray"; deposit.
-    #[serde(default)]
-    pub rule: Option<DepositRuleName>,
-    /// Grains that meet something steeper than this many degrees are discarded, 0 to 90; default 80
-    /// for rule = "ray", else 90 (none); deposit.
-    #[serde(default)]
-    pub max_slope: Option<f64>,
-    /// Direction in which grains fall, as a steady wind drives them: [x, y, z], three numbers of
-    /// any length with y below 0 and at least a tenth of it; default [0, -1, 0], straight down;
-    /// what rolls does so by gravity alone; deposit.
-    #[serde(default)]
-    pub direction: Option<[f64; 3]>,
-    /// Rectangle that grains fall on: [x0, z0, x1, z1], lengths with x0 < x1 and z0 < z1, where
-    /// their lines of fall cross y = 0; default the box of the finite objects, seen along the fall,
-    /// plus a margin; deposit.
-    #[serde(default)]
-    pub area: Option<[Length; 4]>,
-    /// Seed of the snowfall: a whole number; default the position in the list of snow; deposit.
-    #[serde(default)]
-    pub seed: Option<u64>,
-    /// "sc" (simple cubic), "bcc" (body-centred), "fcc" (face-centred, tightest) or "hcp"
-    /// (hexagonal, tightest); lattice.
-    #[serde(default)]
-    pub lattice: Option<LatticeName>,
-    /// Conventional cells along x, y, z (1, 2, 4, 4 grains each for sc, bcc, fcc, hcp): three whole
-    /// numbers, at least 1; lattice.
-    #[serde(default)]
-    pub counts: Option<[u32; 3]>,
-    /// Distance between nearest neighbours: a length above 0; default 2 radius (touching); lattice
-    /// (this or `density`).
-    #[serde(default)]
-    pub spacing: Option<Length>,
-    /// Grain file (.ply with x, y, z, radius, or one that `deposit` wrote), relative to the scene file; file.
-    #[serde(default)]
-    pub file: Option<String>,
-}
-
-/// Where snow comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum SnowSource {
-    /// Grains fall.
-    Deposit,
-    /// A block of a crystal lattice.
-    Lattice,
-    /// Kept for a later version.
-    Pack,
-    /// Grains from a file.
-    File,
-}
-
-impl SnowSource {
-    /// The name as written.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Deposit => "deposit",
-            Self::Lattice => "lattice",
-            Self::Pack => "pack",
-            Self::File => "file",
-        }
-    }
-}
-
-/// Where a falling grain stays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum DepositRuleName {
-    /// The paper's rule.
-    #[serde(alias = "chrisman")]
-    Ray,
-    /// At its first contact.
-    Stick,
-    /// Rolls to a stable rest.
-    Roll,
-}
-
-/// Crystal lattices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum LatticeName {
-    /// Simple cubic.
-    Sc,
-    /// Body-centred cubic.
-    Bcc,
-    /// Face-centred cubic.
-    Fcc,
-    /// Hexagonal close packed.
-    Hcp,
 }
 
 /// How light is traced.

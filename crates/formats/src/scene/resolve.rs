@@ -46,6 +46,12 @@ pub type ReadEnvironment<'a> = dyn FnMut(&Path) -> Result<EnvironmentMap, LoadEr
 /// Reads a picture that lies on objects.
 pub type ReadTexture<'a> = dyn FnMut(&Path) -> Result<Texture, LoadError> + 'a;
 
+/// Reads a file of sizes: radii, metres, and numbers of grains.
+pub type ReadSizes<'a> = dyn FnMut(&Path) -> Result<Vec<(f64, f64)>, LoadError> + 'a;
+
+/// Reads a picture of numbers: columns and rows, and the grey values as they stand, white 1.
+pub type ReadPlanImage<'a> = dyn FnMut(&Path) -> Result<([usize; 2], Vec<f32>), LoadError> + 'a;
+
 /// How the files that a scene refers to are read.
 pub struct Loader<'a> {
     /// Reads a mesh.
@@ -58,6 +64,10 @@ pub struct Loader<'a> {
     pub environment: &'a mut ReadEnvironment<'a>,
     /// Reads a picture on an object.
     pub texture: &'a mut ReadTexture<'a>,
+    /// Reads sizes of grains.
+    pub sizes: &'a mut ReadSizes<'a>,
+    /// Reads heights of snow or a mask.
+    pub plan_image: &'a mut ReadPlanImage<'a>,
 }
 
 /// What the scene means: every value checked, units converted, references loaded (relative to the
@@ -76,6 +86,8 @@ pub struct Loader<'a> {
 ///     grains: &mut |_| Err("nor here".into()),
 ///     environment: &mut |_| Err("nor here".into()),
 ///     texture: &mut |_| Err("nor here".into()),
+///     sizes: &mut |_| Err("nor here".into()),
+///     plan_image: &mut |_| Err("nor here".into()),
 ///     import: &mut |_| Err("nor here".into()),
 /// };
 /// let description = resolve(&file, loader)?;
@@ -84,7 +96,7 @@ pub struct Loader<'a> {
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains, environment, import, texture } = loader;
+    let Loader { mesh, grains, environment, import, texture, sizes, plan_image } = loader;
     let film = film(&checks)?;
     let written_camera = camera::camera(&checks)?;
     let mut ice = ice(&checks)?;
@@ -97,7 +109,8 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     let (objects, lamps) = objects::objects(&checks, shot.objects, &mut files)?;
     lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
-    let snow = snow::snow(&checks, bounded, grains)?;
+    let mut snow_files = snow::SnowFiles { grains, sizes, plan_image, objects: &mut files };
+    let snow = snow::snow(&checks, bounded, &mut snow_files)?;
     let shapes = shapes::shapes(&checks, &mut files)?;
     let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;
     ice.impurities.extend(everywhere);

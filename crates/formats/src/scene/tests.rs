@@ -4,6 +4,7 @@ mod accepted;
 mod lights;
 mod mesh_scenes;
 mod never_panics;
+mod packed;
 mod refused;
 
 use super::{LoadError, Loader, SceneError, SceneFile, resolve};
@@ -107,12 +108,22 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
         Some("folder/bark.png") => Ok(Texture::of_bytes([2, 1], vec![[255; 3], [0; 3]])?),
         _ => Err(LoadError::from("no such file")),
     };
+    let read_sizes = |path: &Path| match path.to_str() {
+        Some("folder/sizes.txt") => Ok(vec![(0.2e-3, 1.0), (0.4e-3, 3.0)]),
+        _ => Err(LoadError::from("no such file")),
+    };
+    let read_plan_image = |path: &Path| match path.to_str() {
+        Some("folder/drift.png") => Ok(([2, 1], vec![0.0, 1.0])),
+        _ => Err(LoadError::from("no such file")),
+    };
     let loader = Loader {
         mesh: &mut { read_mesh },
         grains: &mut { read_grains },
         environment: &mut { read_environment },
         import: &mut { read_import },
         texture: &mut { read_texture },
+        sizes: &mut { read_sizes },
+        plan_image: &mut { read_plan_image },
     };
     resolve(file, loader)
 }

@@ -1,7 +1,7 @@
 //! Where grains fall, and the stacks that they fall on.
 
 use super::{Snowfall, fill};
-use crate::{DepositSettings, GrainsError};
+use crate::{DepositSettings, GrainsError, Settling};
 use snowgrain_accel::{GrainStacks, PlanRectangle};
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{Aabb, DVec3};
@@ -80,14 +80,14 @@ impl Snowfall<'_> {
     /// cover `area` and grains that come to rest a little outside it.
     pub(super) fn prepare_stacks(
         &mut self,
-        settings: &DepositSettings,
+        (settings, settling): (&DepositSettings, Settling),
         area: PlanRectangle,
     ) -> Result<usize, GrainsError> {
         let drift = settings.drift();
         self.lean(drift)?;
         let drawn = (settings.radii.largest() / self.quantisation.quantum()).round() as u16;
         let quantum = self.quantisation.quantum();
-        let side = fill::cell_side(settings, quantum, area, drawn.into());
+        let side = fill::cell_side((settings, settling), quantum, area, drawn.into());
         let class = self.class(grown(area, drawn), drawn, side, drift)?;
         let mut left = std::mem::take(&mut self.placed);
         while let Some(largest) = left.iter().map(|grain| grain.radius).max() {

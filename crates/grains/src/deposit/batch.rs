@@ -12,7 +12,7 @@ use super::pile::Lying;
 use super::roll::Roller;
 use super::rules::{Drop, Fate, Start};
 use super::{DepositReport, Falling, speculate};
-use crate::GrainsError;
+use crate::{GrainsError, Settling};
 use rayon::prelude::*;
 use snowgrain_accel::{GrainStacks, GrainStacksError, Quad, RegionEdge, RegionLayout, StackRegion};
 use snowgrain_geometry::QuantisedGrain;
@@ -120,6 +120,9 @@ impl Sorted {
 impl Falling<'_> {
     /// Follows up to `most` drops; as many grains lie afterwards as in any other division.
     pub(super) fn batch(&mut self, most: u64) -> Result<(), GrainsError> {
+        if let Settling::Aggregates { grains } = self.drop.settling {
+            return self.batch_of_aggregates(grains, most);
+        }
         let layout = self.stacks.layout(self.edge, false);
         let drops = most.min(self.batch_size(&layout));
         let first = self.drops;

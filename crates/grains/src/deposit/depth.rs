@@ -38,9 +38,10 @@ impl Falling<'_> {
         let PlanRectangle { min, max } = self.drop.area;
         let area =
             (f64::from(max[0]) - f64::from(min[0])) * (f64::from(max[1]) - f64::from(min[1]));
-        let radius = self.drop.mean;
+        let radius = self.drop.radii.mean();
         let layer = area / (core::f64::consts::PI * radius * radius);
-        let mut batch = FIRST_BATCH_FILL * 0.75 * layer * depth / radius;
+        let fill = FIRST_BATCH_FILL.min(0.25 * self.fill);
+        let mut batch = fill * 0.75 * layer * depth / radius;
         loop {
             let wanted = self.report.accepted + batch.max(layer * LEAST_BATCH).ceil() as u64;
             self.until(wanted)?;

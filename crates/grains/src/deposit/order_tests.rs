@@ -34,9 +34,9 @@ fn surfaces(under: Under) -> Surfaces {
 fn settings(rule: DepositRule, grains: u64) -> DepositSettings {
     DepositSettings {
         amount: Amount::Grains(grains),
-        radii: Radii { mean: R, variation: 0.3 * R },
+        radii: Radii::Uniform { mean: R, variation: 0.3 * R },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 75.0,
         direction: DepositSettings::DOWN,
         area: Some([-80.0 * R, -80.0 * R, 80.0 * R, 80.0 * R]),

@@ -8,6 +8,7 @@
 //! of three contacts. Both circles are followed exactly: the angle of the next contact, and the
 //! one at which a contact stops pressing, are roots of `p cos t + q sin t = k`.
 
+use super::arc::{Arc, SPEED_MARGIN, TOUCH_MARGIN};
 use super::ground::{Ground, GroundContact};
 use super::looks::Look;
 use super::pile::Lying;
@@ -15,14 +16,37 @@ use super::rules::{Drop, Fate, center};
 use crate::GrainsError;
 use snowgrain_accel::{Fall, GrainSlot, SphereContact};
 use snowgrain_geometry::QuantisedGrain;
+use snowgrain_math::sampler::{PathKey, pcg3d};
 use snowgrain_math::{DVec3, trig};
 
 /// Turns (contacts, releases and falls) after which a grain is left where it is.
 const MOST_TURNS: u32 = 400;
-/// Speed into a contact that counts as rounding.
-const SPEED_MARGIN: f64 = 1e-9;
-/// Quanta by which a grain may already overlap one that it does not count as touching.
-const TOUCH_MARGIN: f64 = 1e-6;
+
+/// A sphere that falls and rolls; quanta.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RollingSphere {
+    /// Its radius where it meets the ground.
+    pub(super) to_ground: f64,
+    /// Its radius where it meets other grains.
+    pub(super) to_grains: f64,
+    /// Probability with which it rolls on from a contact, and from the end of each arc, rather than stick
+    /// there.
+    pub(super) roll: f64,
+    /// What decides.
+    pub(super) key: PathKey,
+}
+
+/// Events of random numbers that belong to the start of a drop.
+const FIRST_EVENT: u32 = 1;
+
+impl RollingSphere {
+    fn rolls_on(&self, turn: u32) -> bool {
+        self.roll >= 1.0 || {
+            let word = pcg3d(self.key.lo, self.key.hi, FIRST_EVENT + turn)[0];
+            f64::from(word) < self.roll * 4_294_967_296.0
+        }
+    }
+}
 
 /// Where a rolling grain ends.
 pub(super) enum Rest {
@@ -52,66 +76,6 @@ impl Rest {
 struct Contact {
     slot: GrainSlot,
     center: DVec3,
-}
-
-/// A circle that the rolling centre follows: `center + radius (u cos t + v sin t)` from t = 0.
-#[derive(Clone, Copy, Debug)]
-struct Arc {
-    center: DVec3,
-    radius: f64,
-    u: DVec3,
-    v: DVec3,
-}
-
-impl Arc {
-    fn at(&self, angle: f64) -> DVec3 {
-        let (sin, cos) = trig::sin_cos(angle);
-        self.center + (self.u * cos + self.v * sin) * self.radius
-    }
-
-    /// Centre and radius of a ball that holds the arc up to `angle`, at most pi.
-    fn ball_around(&self, angle: f64) -> (DVec3, f64) {
-        (self.at(0.5 * angle), 2.0 * self.radius * trig::sin_cos(0.25 * angle).0 + 1.0)
-    }
-
-    /// First angle in [0, 2 pi) at which the centre comes within `reach` of `other`, which it is
-    /// not within at the start but for rounding; `None` where it never does.
-    fn meets(&self, other: DVec3, reach: f64) -> Option<f64> {
-        let d = other - self.center;
-        let (p, q) = (d.dot(self.u), d.dot(self.v));
-        let k =
-            (self.radius * self.radius + d.length_squared() - reach * reach) / (2.0 * self.radius);
-        let amplitude = (p * p + q * q).sqrt();
-        if k.abs() >= amplitude {
-            return None;
-        }
-        if p >= k - TOUCH_MARGIN && q > SPEED_MARGIN * amplitude {
-            // It touches already, and the motion leads into it.
-            return Some(0.0);
-        }
-        // What it touches and leaves may be met again, from the other side, further along.
-        let entry = trig::atan2(q, p) - trig::acos(k / amplitude);
-        Some(if entry < 0.0 { entry + core::f64::consts::TAU } else { entry })
-    }
-
-    /// First angle at which the height of `w`, a vector that turns with the arc, falls to zero;
-    /// it is positive at the start.
-    fn sinks(&self, w: DVec3) -> f64 {
-        let axis = self.u.cross(self.v);
-        let (along_u, along_v, along_axis) = (w.dot(self.u), w.dot(self.v), w.dot(axis));
-        let p = along_u * self.u.y + along_v * self.v.y;
-        let q = along_u * self.v.y - along_v * self.u.y;
-        let k = -along_axis * axis.y;
-        let amplitude = (p * p + q * q).sqrt();
-        if k.abs() >= amplitude {
-            return if p > k { core::f64::consts::PI } else { 0.0 };
-        }
-        if p <= k {
-            return 0.0;
-        }
-        let exit = trig::atan2(q, p) + trig::acos(k / amplitude);
-        exit.clamp(0.0, core::f64::consts::PI)
-    }
 }
 
 /// What a grain does next.
@@ -146,6 +110,8 @@ pub(super) struct Roller<'a> {
     surfaces: Vec<SphereContact>,
     /// Where the last grain looked for others.
     looks: Vec<Look>,
+    /// Radius of the sphere that rolls where it meets the ground, quanta.
+    to_ground: f64,
 }
 
 impl<'a> Roller<'a> {
@@ -159,11 +125,19 @@ impl<'a> Roller<'a> {
             ignored: Vec::new(),
             surfaces: Vec::new(),
             looks: Vec::new(),
+            to_ground: 0.0,
         }
     }
 
-    /// Drops a sphere of `radius` quanta along x, z and follows it to its rest.
-    pub(super) fn settle(&mut self, lying: &Lying<'_, '_>, [x, z]: [f64; 2], radius: f64) -> Rest {
+    /// Drops a sphere along x, z and follows it to its rest.
+    pub(super) fn settle(
+        &mut self,
+        lying: &Lying<'_, '_>,
+        [x, z]: [f64; 2],
+        sphere: RollingSphere,
+    ) -> Rest {
+        let radius = sphere.to_grains;
+        self.to_ground = sphere.to_ground;
         self.contacts.clear();
         self.ignored.clear();
         self.looks.clear();
@@ -171,7 +145,10 @@ impl<'a> Roller<'a> {
             Ok(at) => at,
             Err(end) => return end,
         };
-        for _ in 0..MOST_TURNS {
+        for turn in 0..MOST_TURNS {
+            if !sphere.rolls_on(turn) {
+                return Rest::Stable(at);
+            }
             match self.motion(at) {
                 Motion::Rests => return Rest::Stable(at),
                 Motion::Falls => {
@@ -238,7 +215,7 @@ impl<'a> Roller<'a> {
         let fall = Fall { x, z, radius, from, down_to, ignored: &self.ignored };
         let hit = lying.first_contact(&fall);
         let down_to = hit.map_or(down_to, |hit| hit.height);
-        let ground = self.ground.drop_sphere(x, z, radius, [from, down_to]);
+        let ground = self.ground.drop_sphere(x, z, self.to_ground, [from, down_to]);
         let to = ground.map_or(down_to, |ground| ground.height);
         self.looks.push(Look::Line { place: [x, z], from, to, radius });
         self.land(lying.region.point(x, z, to), ground, hit.map(|hit| (hit.slot, hit.grain)))
@@ -251,7 +228,8 @@ impl<'a> Roller<'a> {
         at: DVec3,
         radius: f64,
     ) -> Result<DVec3, Rest> {
-        let ground = self.ground.drop_straight(at.x, at.z, radius, [at.y, f64::NEG_INFINITY]);
+        let ground =
+            self.ground.drop_straight(at.x, at.z, self.to_ground, [at.y, f64::NEG_INFINITY]);
         let down_to = ground.map_or(self.lowest, |ground| ground.height);
         match self.look_straight_down(lying, at, radius, down_to) {
             Some((height, slot, grain)) => {
@@ -395,7 +373,7 @@ impl<'a> Roller<'a> {
                 (angle, end) = (touch, End::Touches(Contact { slot, center: other }));
             }
         }
-        if let Some(touch) = self.meets_ground(arc, angle, radius) {
+        if let Some(touch) = self.meets_ground(arc, angle) {
             (angle, end) = (touch, End::Ground);
         }
         (angle, end)
@@ -418,7 +396,8 @@ impl<'a> Roller<'a> {
     }
 
     /// First angle up to `until` at which the sphere meets the ground.
-    fn meets_ground(&mut self, arc: &Arc, until: f64, radius: f64) -> Option<f64> {
+    fn meets_ground(&mut self, arc: &Arc, until: f64) -> Option<f64> {
+        let radius = self.to_ground;
         if let Some(floor) = self.ground.floor() {
             // The centre sinks to floor + radius.
             let above = arc.center.y - floor - radius;

@@ -2,8 +2,8 @@
 
 use super::ground::Ground;
 use super::pile::Lying;
-use super::roll::Roller;
-use crate::{DepositRule, DepositSettings, GrainsError};
+use super::roll::{Roller, RollingSphere};
+use crate::{DepositSettings, GrainsError, Radii, Settling};
 use snowgrain_accel::{Fall, GrainStacks, PlanRectangle, Quad};
 use snowgrain_geometry::{GeometryError, Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, pcg3d};
@@ -28,11 +28,13 @@ pub(super) struct Start {
     pub(super) x: i32,
     pub(super) z: i32,
     pub(super) radius: u16,
+    /// The low word of its number.
+    index: u32,
 }
 
 /// Everything about the drops of one snowfall that does not change.
 pub(super) struct Drop<'a> {
-    rule: DepositRule,
+    pub(super) settling: Settling,
     quantisation: Quantisation,
     pub(super) ground: &'a Ground<'a>,
     pub(super) area: PlanRectangle,
@@ -40,16 +42,16 @@ pub(super) struct Drop<'a> {
     pub(super) lowest: f64,
     /// Least y of an accepted contact normal.
     pub(super) least_cosine: f64,
-    /// Mean radius and half-width of its distribution, quanta.
-    pub(super) mean: f64,
-    variation: f64,
-    seed: u64,
-    snowfall: u64,
+    /// Radii in quanta.
+    pub(super) radii: Radii,
+    pub(super) seed: u64,
+    pub(super) snowfall: u64,
 }
 
 impl<'a> Drop<'a> {
     pub(super) fn new(
         settings: &DepositSettings,
+        settling: Settling,
         quantisation: &Quantisation,
         ground: &'a Ground<'a>,
         (area, lowest): (PlanRectangle, f64),
@@ -58,14 +60,13 @@ impl<'a> Drop<'a> {
         let slope = settings.max_slope_degrees;
         let least_cosine = if slope >= 90.0 { 0.0 } else { trig::sin_cos(slope.to_radians()).1 };
         Self {
-            rule: settings.rule,
+            settling,
             quantisation: *quantisation,
             ground,
             area,
             lowest,
             least_cosine,
-            mean: settings.radii.mean / quantisation.quantum(),
-            variation: settings.radii.variation / quantisation.quantum(),
+            radii: settings.radii.in_units_of(quantisation.quantum()),
             seed: settings.seed,
             snowfall,
         }
@@ -73,15 +74,15 @@ impl<'a> Drop<'a> {
 
     /// Whether a grain comes to rest near the line along which it falls: it rolls nowhere.
     pub(super) fn is_local(&self) -> bool {
-        match self.rule {
-            DepositRule::Ray | DepositRule::Stick => true,
-            DepositRule::Roll => false,
+        match self.settling {
+            Settling::Ray | Settling::Stick | Settling::Aggregates { .. } => true,
+            Settling::Roll | Settling::StickOrRoll { .. } | Settling::Sinter { .. } => false,
         }
     }
 
     /// How far from its line of fall a drop asks and stores, quanta.
     pub(super) fn reach(&self, stacks: &GrainStacks) -> f64 {
-        self.rule.reach(stacks.largest_radius().into())
+        self.settling.reach(stacks.largest_radius().into())
     }
 
     /// Cells of this side that the area would fill.
@@ -98,7 +99,7 @@ impl<'a> Drop<'a> {
         let [a, b, c] = pcg3d(key.lo, key.hi, 0);
         let PlanRectangle { min, max } = self.area;
         let (x, z) = (uniform_below(a, min[0], max[0]), uniform_below(b, min[1], max[1]));
-        Start { x, z, radius: self.radius(c) }
+        Start { x, z, radius: self.radius(c), index: index as u32 }
     }
 
     /// Lets a drop fall on what lies; `quad` are the cells of its line.
@@ -110,24 +111,30 @@ impl<'a> Drop<'a> {
         start: Start,
         quad: &Quad,
     ) -> Result<Fate, GrainsError> {
-        let Start { x, z, radius } = start;
+        let Start { x, z, radius, index } = start;
         let [x, z] = [x, z].map(f64::from);
-        match self.rule {
-            DepositRule::Ray => self.ray(lying, quad, [x, z], radius),
-            DepositRule::Stick => self.stick(lying, quad, [x, z], radius),
-            DepositRule::Roll => {
-                let rest = roller.settle(lying, [x, z], radius.into());
-                rest.fate(|center| self.rounded(center, radius))
+        let mut roll = |touch: f64, roll: f64| {
+            let full = f64::from(radius);
+            let key = PathKey::new(self.seed, index.into(), self.snowfall);
+            let sphere = RollingSphere { to_ground: full, to_grains: touch * full, roll, key };
+            let rest = roller.settle(lying, [x, z], sphere);
+            rest.fate(|center| self.rounded(center, radius))
+        };
+        match self.settling {
+            Settling::Ray => self.ray(lying, quad, [x, z], radius),
+            Settling::Stick | Settling::Aggregates { .. } => {
+                self.stick(lying, quad, [x, z], radius)
             }
+            Settling::Roll => roll(1.0, 1.0),
+            Settling::StickOrRoll { roll: probability } => roll(1.0, probability),
+            Settling::Sinter { touch } => roll(touch, 1.0),
         }
     }
 
-    /// The radius for a random word: uniform in [mean - variation, mean + variation], at least one
-    /// quantum.
-    fn radius(&self, word: u32) -> u16 {
+    /// The radius for a random word, at least one quantum.
+    pub(super) fn radius(&self, word: u32) -> u16 {
         let unit = (f64::from(word) + 0.5) / 4_294_967_296.0;
-        let radius = self.mean + (2.0 * unit - 1.0) * self.variation;
-        nearest(radius).clamp(1, Quantisation::MAX_RADIUS_QUANTA.into()) as u16
+        nearest(self.radii.quantile(unit)).clamp(1, Quantisation::MAX_RADIUS_QUANTA.into()) as u16
     }
 
     /// The paper's rule.
@@ -187,7 +194,7 @@ impl<'a> Drop<'a> {
     }
 
     /// The grain at the nearest whole quanta, if the lattice reaches that far.
-    fn rounded(&self, at: DVec3, radius: u16) -> Result<QuantisedGrain, GrainsError> {
+    pub(super) fn rounded(&self, at: DVec3, radius: u16) -> Result<QuantisedGrain, GrainsError> {
         let reach = f64::from(Quantisation::MAX_COORDINATE);
         if !at.is_finite() || at.abs().max_element() > reach {
             let quantum = self.quantisation.quantum();
@@ -201,7 +208,7 @@ impl<'a> Drop<'a> {
 
 /// The nearest whole number, ties away from zero; `x` lies well within its range.
 #[inline(always)]
-fn nearest(x: f64) -> i32 {
+pub(super) fn nearest(x: f64) -> i32 {
     let towards_zero = x as i32;
     let rest = x - f64::from(towards_zero);
     towards_zero + i32::from(rest >= 0.5) - i32::from(rest <= -0.5)

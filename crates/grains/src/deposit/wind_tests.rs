@@ -38,9 +38,9 @@ fn assert_at_rest(rule: DepositRule, direction: [f64; 3], radii: Radii, grains: 
     for seed in 0..grains {
         let settings = DepositSettings {
             amount: Amount::Grains(1),
-            radii,
+            radii: radii.clone(),
             density: None,
-            rule,
+            rule: Some(rule),
             max_slope_degrees: 90.0,
             direction,
             area: Some([0.0, 0.0, 12.0 * R, 9.0 * R]),
@@ -49,6 +49,7 @@ fn assert_at_rest(rule: DepositRule, direction: [f64; 3], radii: Radii, grains: 
         let report = snow.deposit(&settings).unwrap();
         let drop = Drop::new(
             &settings,
+            Settling::of_rule(rule),
             &quantisation,
             &snow.ground,
             (snow.area(&settings).unwrap(), snow.lowest()),
@@ -90,7 +91,7 @@ fn added(snow: &Snowfall<'_>, known: &[QuantisedGrain]) -> QuantisedGrain {
 fn grains_in_the_wind_rest_where_a_search_of_all_grains_says() {
     for direction in [[0.0, -1.0, 0.0], [0.4, -1.0, 0.3], [-3.0, -1.0, 1.0], [0.0, -1.0, 2.0]] {
         for rule in [DepositRule::Ray, DepositRule::Stick] {
-            assert_at_rest(rule, direction, Radii { mean: R, variation: 0.2 * R }, 120);
+            assert_at_rest(rule, direction, Radii::Uniform { mean: R, variation: 0.2 * R }, 120);
         }
     }
 }
@@ -98,7 +99,7 @@ fn grains_in_the_wind_rest_where_a_search_of_all_grains_says() {
 #[test]
 fn grains_with_radii_down_to_nothing_rest_where_a_search_of_all_grains_says() {
     for rule in [DepositRule::Ray, DepositRule::Stick] {
-        assert_at_rest(rule, DepositSettings::DOWN, Radii { mean: R, variation: R }, 150);
+        assert_at_rest(rule, DepositSettings::DOWN, Radii::Uniform { mean: R, variation: R }, 150);
     }
 }
 
@@ -113,9 +114,9 @@ fn a_ball_shelters_what_lies_in_its_lee() {
         let mut snow = Snowfall::on_surfaces(quantisation, &surfaces);
         let settings = DepositSettings {
             amount: Amount::Grains(3_000),
-            radii: Radii { mean: R, variation: 0.0 },
+            radii: Radii::Uniform { mean: R, variation: 0.0 },
             density: None,
-            rule,
+            rule: Some(rule),
             max_slope_degrees: 90.0,
             direction: [1.0, -1.0, 0.0],
             area: Some([-60.0 * R, -30.0 * R, 30.0 * R, 30.0 * R]),
@@ -158,9 +159,9 @@ fn a_direction_that_does_not_point_down_is_refused() {
         let mut snow = Snowfall::on_level_floor(quantisation, [20.0 * R; 2]).unwrap();
         let settings = DepositSettings {
             amount: Amount::Grains(1),
-            radii: Radii { mean: R, variation: 0.0 },
+            radii: Radii::Uniform { mean: R, variation: 0.0 },
             density: None,
-            rule,
+            rule: Some(rule),
             max_slope_degrees: 90.0,
             direction,
             area: None,
@@ -192,9 +193,9 @@ fn grains_that_the_wind_brings_roll_to_rest_by_gravity_alone() {
         let mut snow = Snowfall::on_surfaces(quantisation, surfaces);
         let settings = DepositSettings {
             amount: Amount::Grains(grains),
-            radii: Radii { mean: R, variation: 0.0 },
+            radii: Radii::Uniform { mean: R, variation: 0.0 },
             density: None,
-            rule: DepositRule::Roll,
+            rule: Some(DepositRule::Roll),
             max_slope_degrees: 90.0,
             direction,
             area: Some([-14.0 * R, -14.0 * R, 14.0 * R, 14.0 * R]),
@@ -223,9 +224,9 @@ fn fine_grains_fall_on_and_under_grains_a_hundred_times_larger() {
     let mut snow = Snowfall::on_level_floor(quantisation, [500.0 * R; 2]).unwrap();
     let settings = |mean: f64, grains: u64, rule: DepositRule| DepositSettings {
         amount: Amount::Grains(grains),
-        radii: Radii { mean, variation: 0.0 },
+        radii: Radii::Uniform { mean, variation: 0.0 },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 90.0,
         direction: DepositSettings::DOWN,
         area: None,

@@ -23,7 +23,12 @@ impl Buckets {
     pub(super) fn new(field: &GrainField, period: Option<[f64; 2]>) -> Self {
         let quantum = field.quantisation.quantum();
         let [px, pz] = period.map_or([0, 0], |edges| edges.map(|p| (p / quantum).round() as i64));
-        let period = [px, 0, pz];
+        Self::repeating(field, [px, 0, pz])
+    }
+
+    /// The grains of a pack that repeats with these periods along x, y, z in quanta; 0 along axes where it
+    /// does not.
+    pub(super) fn repeating(field: &GrainField, period: [i64; 3]) -> Self {
         let mut buckets = Self {
             low: [0.0; 3],
             side: [1.0; 3],
@@ -85,7 +90,7 @@ impl Buckets {
             *place += 1;
         }
         for grain in &mut grains {
-            for axis in [0, 2] {
+            for axis in 0..3 {
                 let period = self.period[axis];
                 if period > 0 {
                     grain.center[axis] = i64::from(grain.center[axis]).rem_euclid(period) as i32;

@@ -1,7 +1,7 @@
 //! What touches what.
 
 use super::buckets::Buckets;
-use crate::GrainField;
+use crate::{GrainField, PeriodicPack};
 use snowgrain_geometry::Grain;
 use snowgrain_math::DVec3;
 
@@ -33,7 +33,20 @@ pub fn connections(
     period: Option<[f64; 2]>,
     touches_ground: &dyn Fn(&Grain) -> bool,
 ) -> Connections {
-    let buckets = Buckets::new(field, period);
+    in_buckets(field, &Buckets::new(field, period), touches_ground)
+}
+
+/// The same of a pack that repeats along all axes, and that nothing carries.
+#[must_use]
+pub fn connections_of_pack(pack: &PeriodicPack) -> Connections {
+    in_buckets(&pack.field, &Buckets::repeating(&pack.field, pack.period), &|_| false)
+}
+
+fn in_buckets(
+    field: &GrainField,
+    buckets: &Buckets,
+    touches_ground: &dyn Fn(&Grain) -> bool,
+) -> Connections {
     let grains = buckets.grains();
     let mut clusters = Clusters::new(grains.len());
     let (mut contacts, mut overlaps, mut depths, mut greatest) = (0u64, 0u64, 0.0, 0.0f64);
@@ -65,7 +78,7 @@ pub fn connections(
         overlaps_per_grain: per_grain(overlaps),
         mean_overlap_depth: quantum * depths / (overlaps as f64).max(1.0),
         greatest_overlap_depth: quantum * greatest,
-        connected_fraction: connected_fraction(field, &buckets, &mut clusters, touches_ground),
+        connected_fraction: connected_fraction(field, buckets, &mut clusters, touches_ground),
     }
 }
 

@@ -48,9 +48,9 @@ fn table() -> ObjectDescription {
 fn fall(amount: Amount, rule: DepositRule) -> SnowDescription {
     SnowDescription::Deposit(DepositSettings {
         amount,
-        radii: Radii { mean: 1e-3, variation: 0.3e-3 },
+        radii: Radii::Uniform { mean: 1e-3, variation: 0.3e-3 },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 90.0,
         direction: DepositSettings::DOWN,
         area: Some([-0.05, -0.05, 0.05, 0.05]),

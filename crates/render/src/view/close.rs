@@ -121,7 +121,8 @@ fn filled(
 /// Mean radius of the grains of some snow, metres.
 fn mean_radius(snow: &SnowDescription) -> f64 {
     match snow {
-        SnowDescription::Deposit(settings) => settings.radii.mean,
+        SnowDescription::Deposit(settings) => settings.radii.mean(),
+        SnowDescription::Filled(settings) => settings.pack.radii.mean(),
         SnowDescription::Lattice(settings) => settings.radius,
         SnowDescription::Grains(field) => {
             let sum: f64 = field.iter().map(|grain| grain.radius).sum();

@@ -98,7 +98,9 @@ fn deposited_depth(scene: &SceneDescription) -> f64 {
                     .max(0.0)
             }
         },
-        SnowDescription::Lattice(_) | SnowDescription::Grains(_) => 0.0,
+        SnowDescription::Filled(_) | SnowDescription::Lattice(_) | SnowDescription::Grains(_) => {
+            0.0
+        }
     };
     scene.snow.iter().map(depth).sum()
 }
@@ -118,6 +120,7 @@ fn framed(scene: &SceneDescription) -> Option<Aabb> {
     for snow in &scene.snow {
         frame = frame.union(&match snow {
             SnowDescription::Deposit(settings) => fallen(settings, &frame).1,
+            SnowDescription::Filled(settings) => settings.body.bounds(),
             SnowDescription::Lattice(settings) => lattice_box(settings),
             SnowDescription::Grains(field) => field.bounds(),
         });

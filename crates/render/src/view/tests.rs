@@ -38,9 +38,9 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         objects: vec![object(ObjectShape::Sphere, ball), object(ObjectShape::Box, slab)],
         snow: vec![SnowDescription::Deposit(DepositSettings {
             amount: Amount::Depth(0.01),
-            radii: Radii { mean: 1e-3, variation: 0.0 },
+            radii: Radii::Uniform { mean: 1e-3, variation: 0.0 },
             density: None,
-            rule: DepositRule::Ray,
+            rule: Some(DepositRule::Ray),
             max_slope_degrees: 80.0,
             direction: DepositSettings::DOWN,
             area: None,

@@ -102,9 +102,9 @@ fn snow(arguments: &SlabArguments) -> Result<MeasuredSnow, Failure> {
     fits(grains)?;
     let settings = DepositSettings {
         amount: Amount::Grains(grains),
-        radii: Radii { mean: radius, variation: arguments.variation.unwrap_or(0.0) },
+        radii: Radii::Uniform { mean: radius, variation: arguments.variation.unwrap_or(0.0) },
         density: None,
-        rule,
+        rule: Some(rule),
         max_slope_degrees: 90.0,
         direction: DepositSettings::DOWN,
         area: None,

@@ -6,10 +6,11 @@ mod chart;
 mod hemisphere;
 mod series;
 
-pub(super) use axis::Scale;
-pub(super) use chart::{Chart, Charts};
-pub(super) use hemisphere::{Hemisphere, Hemispheres};
-pub(super) use series::{Keys, Line, lines_of};
+pub(in crate::command) use axis::Scale;
+pub(in crate::command) use chart::{Chart, Charts};
+pub(in crate::command) use hemisphere::{Hemisphere, Hemispheres};
+pub(in crate::command) use series::Line;
+pub(super) use series::{Keys, lines_of};
 
 use crate::arguments::PlotFile;
 use crate::failure::Failure;
@@ -17,7 +18,7 @@ use canvas::{Canvas, Fault};
 use plotters::prelude::DrawingBackend;
 
 /// Something that can be drawn on a sheet.
-pub(super) trait Drawing {
+pub(in crate::command) trait Drawing {
     /// Width and height of the sheet, in points.
     fn size(&self) -> [f64; 2];
 
@@ -26,6 +27,6 @@ pub(super) trait Drawing {
 }
 
 /// Draws the picture and writes it, whole or not at all.
-pub(super) fn write(file: &PlotFile, drawing: &impl Drawing) -> Result<(), Failure> {
+pub(in crate::command) fn write(file: &PlotFile, drawing: &impl Drawing) -> Result<(), Failure> {
     canvas::write(file, drawing)
 }

@@ -1,20 +1,28 @@
 //! What `[[snow]]` means.
 
+mod packed;
+mod sizes;
+
 use super::super::SceneError;
 use super::super::document::{DepositRuleName, LatticeName, SnowSource, SnowTable};
-use super::super::quantity::Length;
-use super::ReadGrains;
 use super::checks::Checks;
-use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, LatticeSettings, Radii};
-use snowgrain_math::trig;
+use super::{Files, ReadGrains, ReadPlanImage, ReadSizes};
+use snowgrain_grains::{Amount, DepositRule, DepositSettings, ICE_DENSITY};
+use snowgrain_grains::{LatticeKind, LatticeSettings};
 use snowgrain_render::description::SnowDescription;
 use std::sync::Arc;
 
-/// Density of ice, kg/m^3.
-const ICE_DENSITY: f64 = 917.0;
-
 /// Most grains of one body of snow: beyond any memory, and no product of counts overflows.
 const MOST_GRAINS: u64 = 1 << 40;
+
+/// All sources.
+const SOURCES: [SnowSource; 5] = [
+    SnowSource::Deposit,
+    SnowSource::Pack,
+    SnowSource::Fill,
+    SnowSource::Lattice,
+    SnowSource::File,
+];
 
 /// Keys that a source takes beside `source`.
 fn keys_of(source: SnowSource) -> &'static [&'static str] {
@@ -25,6 +33,8 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "radius",
             "shapes",
             "variation",
+            "spread",
+            "sizes",
             "wetness",
             "impurities",
             "density",
@@ -32,6 +42,37 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "max_slope",
             "direction",
             "area",
+            "seed",
+        ],
+        SnowSource::Pack => &[
+            "box",
+            "radius",
+            "shapes",
+            "variation",
+            "spread",
+            "sizes",
+            "wetness",
+            "impurities",
+            "density",
+            "seed",
+        ],
+        SnowSource::Fill => &[
+            "file",
+            "scale",
+            "rotate",
+            "translate",
+            "height",
+            "base",
+            "area",
+            "mask",
+            "radius",
+            "shapes",
+            "variation",
+            "spread",
+            "sizes",
+            "wetness",
+            "impurities",
+            "density",
             "seed",
         ],
         SnowSource::Lattice => &[
@@ -45,28 +86,35 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "density",
         ],
         SnowSource::File => &["file", "shapes", "impurities"],
-        SnowSource::Pack => &[],
     }
+}
+
+/// How the files of snow are read.
+pub(super) struct SnowFiles<'a, 'b, 'c> {
+    pub(super) grains: &'b mut ReadGrains<'a>,
+    pub(super) sizes: &'b mut ReadSizes<'a>,
+    pub(super) plan_image: &'b mut ReadPlanImage<'a>,
+    /// Those of meshes.
+    pub(super) objects: &'c mut Files<'a, 'b>,
 }
 
 pub(super) fn snow(
     checks: &Checks<'_>,
     has_finite_object: bool,
-    read_grains: &mut ReadGrains<'_>,
+    files: &mut SnowFiles<'_, '_, '_>,
 ) -> Result<Vec<SnowDescription>, SceneError> {
     let mut bodies = Vec::new();
     for (index, table) in checks.document().snow.iter().enumerate() {
         let body = Body { checks, index, table };
-        if table.source == SnowSource::Pack {
-            let mend = "packings come in a later version; this one offers \"deposit\", \
-                        \"lattice\" and \"file\"";
-            return Err(checks.bad(&body.key("source"), mend));
-        }
         body.refuse_foreign_keys()?;
         bodies.push(match table.source {
-            SnowSource::Deposit => SnowDescription::Deposit(body.deposit(has_finite_object)?),
+            SnowSource::Deposit => {
+                SnowDescription::Deposit(body.deposit(has_finite_object, files)?)
+            }
+            SnowSource::Pack => SnowDescription::Filled(body.pack(files)?),
+            SnowSource::Fill => SnowDescription::Filled(body.fill(files)?),
             SnowSource::Lattice => SnowDescription::Lattice(body.lattice()?),
-            SnowSource::File | SnowSource::Pack => body.file(read_grains)?,
+            SnowSource::File => body.file(files.grains)?,
         });
     }
     Ok(bodies)
@@ -102,7 +150,7 @@ impl Body<'_> {
         let mut written = written.filter(|key| !key.contains('.'));
         let foreign = written.find(|k| *k != "source" && !own.contains(k));
         foreign.map_or(Ok(()), |name| {
-            let owners: Vec<String> = [SnowSource::Deposit, SnowSource::Lattice, SnowSource::File]
+            let owners: Vec<String> = SOURCES
                 .into_iter()
                 .filter(|other| keys_of(*other).contains(&name))
                 .map(|other| format!("\"{}\"", other.name()))
@@ -118,15 +166,21 @@ impl Body<'_> {
         })
     }
 
-    fn deposit(&self, has_finite_object: bool) -> Result<DepositSettings, SceneError> {
-        let rule = match self.table.rule.unwrap_or(DepositRuleName::Ray) {
+    fn deposit(
+        &self,
+        has_finite_object: bool,
+        files: &mut SnowFiles<'_, '_, '_>,
+    ) -> Result<DepositSettings, SceneError> {
+        let density = self.density()?;
+        let rule = self.table.rule.map(|name| match name {
             DepositRuleName::Ray => DepositRule::Ray,
             DepositRuleName::Stick => DepositRule::Stick,
             DepositRuleName::Roll => DepositRule::Roll,
-        };
+        });
+        let rule = if density.is_none() { rule.or(Some(DepositRule::Ray)) } else { rule };
         let max_slope_degrees = self.table.max_slope.unwrap_or(match rule {
-            DepositRule::Ray => 80.0,
-            DepositRule::Stick | DepositRule::Roll => 90.0,
+            Some(DepositRule::Ray) => 80.0,
+            Some(DepositRule::Stick | DepositRule::Roll) | None => 90.0,
         });
         if !(0.0..=90.0).contains(&max_slope_degrees) {
             return Err(self.bad("max_slope", "must be 0 to 90 degrees"));
@@ -139,8 +193,8 @@ impl Body<'_> {
         }
         Ok(DepositSettings {
             amount: self.amount()?,
-            radii: self.radii()?,
-            density: self.density()?,
+            radii: self.radii(files.sizes)?,
+            density,
             rule,
             max_slope_degrees,
             direction,
@@ -166,30 +220,6 @@ impl Body<'_> {
                 "say how much snow: grains = 1_000_000 or depth = \"3 cm\"",
             )),
         }
-    }
-
-    fn radius(&self) -> Result<f64, SceneError> {
-        let radius = self.needed("radius", self.table.radius, "write radius = \"0.5 mm\"")?;
-        Ok(self.checks.size(&self.key("radius"), radius)? * self.growth()?)
-    }
-
-    /// By how much water makes grains larger: it joins them (the paper, section 3).
-    fn growth(&self) -> Result<f64, SceneError> {
-        match self.table.wetness.unwrap_or(0.0) {
-            wetness if (0.0..=1.0).contains(&wetness) => Ok(trig::cbrt(1.0 + wetness)),
-            _ => Err(self.bad("wetness", "must be 0 to 1, the volume of water by that of ice")),
-        }
-    }
-
-    fn radii(&self) -> Result<Radii, SceneError> {
-        let mean = self.radius()?;
-        let variation = self.table.variation.unwrap_or(Length { metres: 0.0 }).metres;
-        let variation = variation * self.growth()?;
-        if !(variation >= 0.0 && variation <= mean) {
-            let mend = format!("must be 0 to the radius, {mean} m");
-            return Err(self.bad("variation", &mend));
-        }
-        Ok(Radii { mean, variation })
     }
 
     fn density(&self) -> Result<Option<f64>, SceneError> {

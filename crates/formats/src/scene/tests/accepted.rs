@@ -47,9 +47,9 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!(scene.objects[0].surface, Surface::diffuse([0.5; 3]));
     let expected = DepositSettings {
         amount: Amount::Grains(1000),
-        radii: Radii { mean: 0.0005, variation: 0.0 },
+        radii: Radii::Uniform { mean: 0.0005, variation: 0.0 },
         density: None,
-        rule: DepositRule::Ray,
+        rule: Some(DepositRule::Ray),
         max_slope_degrees: 80.0,
         direction: DepositSettings::DOWN,
         area: None,
@@ -99,8 +99,9 @@ fn impurities_that_all_snow_has_are_those_of_the_ice() {
 #[test]
 fn water_joins_the_grains_or_fills_the_pores() {
     let wet = read(LEAST, &["snow.wetness=0.331", "snow.variation=\"0.1 mm\""]).unwrap();
-    let radii = deposit(&wet).radii;
-    assert!((radii.mean - 0.55e-3).abs() < 1e-9 && (radii.variation - 0.11e-3).abs() < 1e-9);
+    let radii = &deposit(&wet).radii;
+    let Radii::Uniform { mean, variation } = radii else { panic!("{radii:?}") };
+    assert!((mean - 0.55e-3).abs() < 1e-9 && (variation - 0.11e-3).abs() < 1e-9);
     let saturated = read(LEAST, &["ice.pores=water"]).unwrap();
     assert!((saturated.ice.eta() - 1.31 / 1.333).abs() < 1e-12);
     assert_eq!(read(LEAST, &[]).unwrap().ice.eta(), 1.31);
@@ -113,9 +114,9 @@ fn every_deposit_key_arrives_in_metres() {
            area = [\"-1 m\", -2, \"50 cm\", 0.25]\nseed = 7\n";
     let expected = DepositSettings {
         amount: Amount::Depth(0.03),
-        radii: Radii { mean: 0.0005, variation: 0.0002 },
+        radii: Radii::Uniform { mean: 0.0005, variation: 0.0002 },
         density: Some(250.0),
-        rule: DepositRule::Roll,
+        rule: Some(DepositRule::Roll),
         max_slope_degrees: 60.0,
         direction: DepositSettings::DOWN,
         area: Some([-1.0, -2.0, 0.5, 0.25]),
@@ -127,8 +128,10 @@ fn every_deposit_key_arrives_in_metres() {
     let wind = read(LEAST, &["snow.direction=[0.5, -1, 0]"]).unwrap();
     assert_eq!(deposit(&wind).direction, [0.5, -1.0, 0.0]);
     let alias = read(LEAST, &["snow.rule=chrisman"]).unwrap();
-    assert_eq!(deposit(&alias).rule, DepositRule::Ray);
-    assert_eq!(deposit(&read(LEAST, &["snow.variation=0.5mm"]).unwrap()).radii.variation, 0.0005);
+    assert_eq!(deposit(&alias).rule, Some(DepositRule::Ray));
+    let varied = read(LEAST, &["snow.variation=0.5mm"]).unwrap();
+    let expected = Radii::Uniform { mean: 0.0005, variation: 0.0005 };
+    assert_eq!(deposit(&varied).radii, expected);
 }
 
 #[test]
@@ -150,7 +153,7 @@ fn overrides_change_and_add_values() {
     )
     .unwrap();
     assert!(scene.film.keep_ice_paths && scene.film.keep_light_groups);
-    assert_eq!(deposit(&scene).radii.mean, 0.0003);
+    assert_eq!(deposit(&scene).radii.mean(), 0.0003);
     assert_eq!(deposit(&scene).seed, 5);
     assert_eq!(scene.film.width, 65);
     assert_eq!(scene.camera.at, DVec3::new(0.0, 0.25, 0.0));
@@ -192,6 +195,8 @@ fn meshes_are_read_once_relative_to_the_scene() {
         environment: &mut |_| Err("nor a map".into()),
         import: &mut |_| Err("nor a shot".into()),
         texture: &mut |_| Err("nor a picture".into()),
+        sizes: &mut |_| Err("nor a picture".into()),
+        plan_image: &mut |_| Err("nor a picture".into()),
     };
     let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);
@@ -235,7 +240,7 @@ fn builtin_scenes_are_what_they_say() {
     {
         let (thin, thick) = (builtin(thin), builtin(thick));
         assert_eq!(deposit(&thin).amount, deposit(&thick).amount);
-        assert!(deposit(&thin).radii.mean < deposit(&thick).radii.mean);
+        assert!(deposit(&thin).radii.mean() < deposit(&thick).radii.mean());
         assert_eq!(thin.camera, thick.camera);
         assert_eq!(thin.ice.ior, 1.32);
     }

@@ -89,7 +89,7 @@ fn a_mesh_in_plausible_metres_keeps_its_size() {
     let edge = scene.objects[0].transform.transform_vector3(DVec3::Z * 0.12);
     assert!((edge.length() - 0.12).abs() < 1e-12);
     assert!(assumptions[0].starts_with("longest side 0.1500 m (the file taken as metres"));
-    let radius = deposit(&scene).radii.mean;
+    let radius = deposit(&scene).radii.mean();
     assert!((0.0003..0.0008).contains(&radius), "{radius}");
 }
 

@@ -5,7 +5,7 @@ use snowgrain_math::trig;
 
 /// How values are spread over an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::command::optics) enum Scale {
+pub(in crate::command) enum Scale {
     Linear,
     Logarithmic,
 }

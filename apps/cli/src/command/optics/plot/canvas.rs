@@ -18,7 +18,7 @@ const UNITS_OF_SVG: f64 = 8.0;
 
 /// Why a picture cannot be drawn.
 #[derive(Debug)]
-pub(in crate::command::optics) struct Fault(String);
+pub(in crate::command) struct Fault(String);
 
 impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Fault {
     fn from(error: DrawingAreaErrorKind<E>) -> Self {
@@ -48,7 +48,7 @@ pub(super) enum Anchor {
 }
 
 /// A sheet, in points from its upper left corner.
-pub(in crate::command::optics) struct Canvas<B: DrawingBackend> {
+pub(in crate::command) struct Canvas<B: DrawingBackend> {
     area: DrawingArea<B, Shift>,
     scale: f64,
 }

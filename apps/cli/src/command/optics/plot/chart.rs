@@ -29,22 +29,22 @@ const TEXT: f64 = 13.0;
 
 /// One pair of axes.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::command::optics) struct Chart {
+pub(in crate::command) struct Chart {
     /// What x and y are, with their units.
-    pub(in crate::command::optics) names: [&'static str; 2],
-    pub(in crate::command::optics) scales: [Scale; 2],
+    pub(in crate::command) names: [&'static str; 2],
+    pub(in crate::command) scales: [Scale; 2],
     /// Where y goes from and to, if that is known before.
-    pub(in crate::command::optics) y_range: Option<[f64; 2]>,
-    pub(in crate::command::optics) lines: Vec<Line>,
+    pub(in crate::command) y_range: Option<[f64; 2]>,
+    pub(in crate::command) lines: Vec<Line>,
 }
 
 /// Charts side by side, whose lines are named once.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::command::optics) struct Charts {
-    pub(in crate::command::optics) title: String,
+pub(in crate::command) struct Charts {
+    pub(in crate::command) title: String,
     /// What is alike in all lines.
-    pub(in crate::command::optics) subtitle: String,
-    pub(in crate::command::optics) charts: Vec<Chart>,
+    pub(in crate::command) subtitle: String,
+    pub(in crate::command) charts: Vec<Chart>,
 }
 
 /// The rectangle of the axes: left, top, width, height.

@@ -22,22 +22,22 @@ const PARTS: u32 = 6;
 
 /// Values in directions.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::command::optics) struct Hemisphere {
-    pub(in crate::command::optics) label: String,
+pub(in crate::command) struct Hemisphere {
+    pub(in crate::command) label: String,
     /// Zenith angle of the light, degrees.
-    pub(in crate::command::optics) sun_degrees: f64,
+    pub(in crate::command) sun_degrees: f64,
     /// Zenith angle, azimuth, both in degrees, and value.
-    pub(in crate::command::optics) values: Vec<[f64; 3]>,
+    pub(in crate::command) values: Vec<[f64; 3]>,
 }
 
 /// Several, under one scale of colours.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::command::optics) struct Hemispheres {
-    pub(in crate::command::optics) title: String,
-    pub(in crate::command::optics) subtitle: String,
+pub(in crate::command) struct Hemispheres {
+    pub(in crate::command) title: String,
+    pub(in crate::command) subtitle: String,
     /// What the colours are.
-    pub(in crate::command::optics) name: &'static str,
-    pub(in crate::command::optics) all: Vec<Hemisphere>,
+    pub(in crate::command) name: &'static str,
+    pub(in crate::command) all: Vec<Hemisphere>,
 }
 
 impl Hemispheres {

@@ -7,15 +7,15 @@ pub(in crate::command::optics) type Keys = &'static [(&'static str, &'static str
 
 /// Points with their standard errors.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::command::optics) struct Line {
+pub(in crate::command) struct Line {
     /// What it is, apart from the others.
-    pub(in crate::command::optics) label: String,
+    pub(in crate::command) label: String,
     /// x, y and the standard error of y.
-    pub(in crate::command::optics) points: Vec<[f64; 3]>,
+    pub(in crate::command) points: Vec<[f64; 3]>,
     /// Number of its case among all: the same words of a case share a colour.
-    pub(in crate::command::optics) case: usize,
+    pub(in crate::command) case: usize,
     /// Whether it is drawn in dashes.
-    pub(in crate::command::optics) dashed: bool,
+    pub(in crate::command) dashed: bool,
 }
 
 /// Lines of the numbers that `point` takes from rows, one for each case and each word that it says of the

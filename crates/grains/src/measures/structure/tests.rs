@@ -1,0 +1,117 @@
+use super::*;
+use crate::measures::{Slab, nominal_solid_fraction};
+use crate::{
+    Amount, DepositRule, DepositSettings, LatticeKind, LatticeSettings, PackSettings, Radii,
+    Snowfall, lattice_grains,
+};
+use snowgrain_geometry::Quantisation;
+
+const R: f64 = 0.5e-3;
+
+/// Snow by a rule, on a floor of so many radii.
+fn fallen(rule: DepositRule, width: f64) -> (GrainField, [f64; 2]) {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
+    let mut snow = Snowfall::on_level_floor(quantisation, [width * R; 2]).unwrap();
+    snow.deposit(&DepositSettings {
+        amount: Amount::Depth(60.0 * R),
+        radii: Radii::equal(R),
+        density: None,
+        rule: Some(rule),
+        max_slope_degrees: 90.0,
+        direction: DepositSettings::DOWN,
+        area: None,
+        seed: 1,
+    })
+    .unwrap();
+    let period = snow.period().unwrap();
+    (snow.into_field(), period)
+}
+
+#[test]
+fn mean_chords_in_air_are_those_of_the_theorem() {
+    for (rule, width) in
+        [(DepositRule::Stick, 160.0), (DepositRule::Roll, 130.0), (DepositRule::Ray, 120.0)]
+    {
+        let (field, period) = fallen(rule, width);
+        let found = Structure::of(&field, Extent::Periodic(period), &|_| false);
+        // 4 (1 - phi) / S_v (Underwood 1970), with the surface found by points on grains.
+        let theorem = 4.0 * (1.0 - found.solid_fraction) / found.surface_per_volume;
+        let off = found.mean_air_chord / theorem - 1.0;
+        assert!(off.abs() < 0.01, "{rule:?}: {off}");
+        if rule != DepositRule::Ray {
+            // No overlaps: the surface is that of all grains.
+            let slab = Slab::between_parts_of_depth(&field, Some(period), [0.2, 0.8]);
+            let surface = 3.0 * nominal_solid_fraction(&field, &slab) / R;
+            assert!((found.surface_per_volume / surface - 1.0).abs() < 0.01, "{rule:?}");
+            let specific = found.specific_surface() * ICE_DENSITY * R / 3.0;
+            assert!((specific - 1.0).abs() < 0.015, "{specific}");
+        }
+    }
+}
+
+#[test]
+fn correlation_goes_from_the_solid_fraction_to_its_square_as_the_surface_says() {
+    let (field, period) = fallen(DepositRule::Roll, 100.0);
+    let found = Structure::of(&field, Extent::Periodic(period), &|_| false);
+    let phi = found.solid_fraction;
+    for directed in &found.along {
+        let at = |index: usize| directed.correlation[index].1;
+        assert!((at(0) / phi - 1.0).abs() < 0.02, "{}", at(0));
+        // Debye, Anderson and Brumberger 1957: the slope at 0 is -S_v / 4.
+        let step = directed.correlation[1].0;
+        let expected = at(0) - step * found.surface_per_volume / 4.0;
+        assert!((at(1) / expected - 1.0).abs() < 0.03, "{} {expected}", at(1));
+        let far = directed.correlation.last().unwrap().1;
+        assert!((far / (phi * phi) - 1.0).abs() < 0.06, "{far} {}", phi * phi);
+    }
+    assert!((0.9..1.15).contains(&found.anisotropy), "{}", found.anisotropy);
+}
+
+#[test]
+fn draped_and_periodic_measures_of_the_same_snow_agree() {
+    for rule in [DepositRule::Stick, DepositRule::Roll] {
+        let (field, period) = fallen(rule, 140.0);
+        let periodic = Structure::of(&field, Extent::Periodic(period), &|_| false);
+        let draped = Structure::of(&field, Extent::Draped, &|_| false);
+        let off = draped.density() / periodic.density() - 1.0;
+        assert!(off.abs() < 0.03, "{rule:?}: {off}");
+        let off = draped.surface_per_volume / periodic.surface_per_volume - 1.0;
+        assert!(off.abs() < 0.03, "{rule:?}: {off}");
+        let middle: f64 = draped.profile[2..8].iter().sum::<f64>() / 6.0;
+        assert!((middle / draped.solid_fraction - 1.0).abs() < 0.05, "{:?}", draped.profile);
+    }
+}
+
+#[test]
+fn a_crystal_has_its_surface_and_its_neighbours() {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
+    let (kind, counts) = (LatticeKind::Sc, [40; 3]);
+    let settings = LatticeSettings { kind, counts, radius: R, spacing: None, density: None };
+    let field = lattice_grains(&settings, &quantisation).unwrap();
+    let found = Structure::of(&field, Extent::Block, &|_| false);
+    // A sphere in each cube of two radii.
+    assert!((found.surface_per_volume * R / (PI / 2.0) - 1.0).abs() < 0.01);
+    assert!((found.solid_fraction / (PI / 6.0) - 1.0).abs() < 0.03, "{}", found.solid_fraction);
+    assert_eq!(found.connections.connected_fraction, 1.0);
+}
+
+#[test]
+fn sizes_are_those_that_were_asked_for() {
+    let radii = Radii::log_normal(R, 1.2).unwrap();
+    let quantum = Quantisation::for_grains(DVec3::ZERO, radii.largest()).quantum();
+    let settings = PackSettings { radii: radii.clone(), density: 250.0, seed: 0 };
+    let sizes = Sizes::of(&settings.make(quantum).unwrap().field);
+    assert!((sizes.mean / radii.mean() - 1.0).abs() < 0.01);
+    assert!((sizes.classes.iter().map(|class| class.1).sum::<f64>() - 1.0).abs() < 1e-9);
+    assert!(sizes.range[0] < 0.7 * R && sizes.range[1] > 1.5 * R, "{:?}", sizes.range);
+}
+
+#[test]
+fn nothing_is_measured_of_no_grains() {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
+    let none = GrainField::new(quantisation, Vec::new());
+    for extent in [Extent::Block, Extent::Draped, Extent::Periodic([1.0; 2])] {
+        let found = Structure::of(&none, extent, &|_| false);
+        assert_eq!((found.grains, found.solid_fraction), (0, 0.0));
+    }
+}

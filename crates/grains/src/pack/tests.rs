@@ -1,0 +1,68 @@
+use super::*;
+use crate::measures::{Slab, connections_of_pack, union_solid_fraction};
+
+const R: f64 = 0.5e-3;
+
+fn made(radii: Radii, density: f64) -> PeriodicPack {
+    let quantum = Quantisation::for_grains(DVec3::ZERO, radii.largest()).quantum();
+    PackSettings { radii, density, seed: 2 }.make(quantum).unwrap()
+}
+
+/// Solid fraction of all of one period, by points.
+fn measured(pack: &PeriodicPack) -> f64 {
+    let quantum = pack.field.quantisation.quantum();
+    let [x, y, z] = pack.period.map(|edge| edge as f64 * quantum);
+    let middle = Slab {
+        min: DVec3::new(0.0, 0.1 * y, 0.0),
+        max: DVec3::new(x, 0.9 * y, z),
+        period: Some([x, z]),
+    };
+    union_solid_fraction(&pack.field, &middle, 400_000, 0).mean
+}
+
+#[test]
+fn packs_have_the_density_asked_for_repeat_along_all_axes_and_hang_together() {
+    let log_normal = Radii::log_normal(R, 1.3).unwrap();
+    for (radii, density) in [
+        (Radii::equal(R), 60.0),
+        (log_normal, 200.0),
+        (Radii::Uniform { mean: R, variation: 0.4 * R }, 540.0),
+    ] {
+        let pack = made(radii.clone(), density);
+        let got = ICE_DENSITY * pack.solid_fraction;
+        assert!((got / density - 1.0).abs() < 0.01, "{density}: {got}");
+        // Points have a standard error of at most .8 %, and a part of the pack varies by as much.
+        let found = ICE_DENSITY * measured(&pack);
+        assert!((found / density - 1.0).abs() < 0.03, "{density}: {found}");
+        let connections = connections_of_pack(&pack);
+        let smallest = radii.quantile(0.0);
+        let quantum = pack.field.quantisation.quantum();
+        let most = (2e-4 * smallest).max(1.8 * quantum);
+        assert!(connections.greatest_overlap_depth <= most, "{density}: {connections:?}");
+        if density <= MOST_FALLEN {
+            assert!(connections.connected_fraction > 0.95, "{density}: {connections:?}");
+        }
+    }
+}
+
+#[test]
+fn closer_packs_sinter_and_what_no_pack_has_is_refused() {
+    let pack = made(Radii::equal(R), 640.0);
+    assert!(matches!(pack.method, PackMethod::Sintered { .. }), "{:?}", pack.method);
+    let found = ICE_DENSITY * measured(&pack);
+    assert!((found / 640.0 - 1.0).abs() < 0.01, "{found}");
+    let settings = PackSettings { radii: Radii::equal(R), density: 800.0, seed: 0 };
+    let message = settings.make(1e-7).unwrap_err().to_string();
+    assert!(message.contains("packs have 20 to 750 kg/m3"), "{message}");
+}
+
+#[test]
+fn a_pack_is_the_same_on_any_number_of_threads() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let settings = PackSettings { radii: Radii::equal(R), density: 530.0, seed: 0 };
+        let quantum = Quantisation::for_grains(DVec3::ZERO, R).quantum();
+        pool.install(|| settings.make(quantum).unwrap()).field
+    };
+    assert_eq!(on(1), on(3));
+}
