@@ -1,7 +1,7 @@
 //! Packs that repeat along all axes, of any density.
 //!
 //! Up to 520 kg/m^3 a pack is a slab from the middle of a snowfall of that density (see
-//! [`Settling`](crate::Settling)) whose top is laid on the image of its bottom; what overlaps there is
+//! [`Settling`]) whose top is laid on the image of its bottom; what overlaps there is
 //! pushed apart. Denser ones start from grains that rolled, in a box that is made smaller: overlaps
 //! are pushed apart up to a solid fraction of .62, which random packs of equal spheres reach without
 //! order; beyond that the box shrinks further and neighbours overlap, as grains that sintered do.
