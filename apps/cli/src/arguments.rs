@@ -6,8 +6,10 @@ mod deposit;
 mod develop;
 mod display;
 mod groups;
+mod job;
 mod laboratory_values;
 mod measure;
+mod merge;
 mod optics;
 mod render;
 mod series;
@@ -26,9 +28,11 @@ pub(crate) use deposit::DepositArguments;
 pub(crate) use develop::DevelopArguments;
 pub(crate) use display::{Bits, DisplayArguments};
 pub(crate) use groups::GroupFactor;
+pub(crate) use job::{JobArguments, JobKind, PlanArguments, RunArguments, StatusArguments};
 pub(crate) use measure::{
     CubeArguments, LightSearchArguments, MeasureArguments, MeasureKind, Side, SlabArguments,
 };
+pub(crate) use merge::MergeArguments;
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
     OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,
@@ -51,6 +55,7 @@ pub(crate) use wet::WetArguments;
         snowgrain scenes snowy-teapot --print > my.toml  a scene to start from\n\n\
         Exit codes: 0 done, 2 usage, 65 bad input, 66 input missing, 69 refused (memory, limits), \
         70 fault of the program, 73 cannot create output, 74 I/O error or disk full, \
+        75 incomplete but resumable, \
         130/143 stopped by a signal."
 )]
 pub(crate) struct Arguments {
@@ -63,6 +68,8 @@ pub(crate) enum Command {
     Render(Box<RenderArguments>),
     Deposit(DepositArguments),
     Develop(DevelopArguments),
+    Merge(MergeArguments),
+    Job(JobArguments),
     Scenes(ScenesArguments),
     Compare(CompareArguments),
     Measure(MeasureArguments),
@@ -73,7 +80,7 @@ pub(crate) enum Command {
 }
 
 /// Which scene, and how it is changed.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct SceneArguments {
     /// Built-in scene, scene file (.toml), mesh (.obj, .ply) or shot (.gltf, .glb)
     pub(crate) scene: PathBuf,
@@ -94,10 +101,15 @@ pub(crate) struct SceneArguments {
     /// Longest side of a mesh or model given as SCENE, as 20cm
     #[arg(long, value_name = "LENGTH", value_parser = values::length)]
     pub(crate) object_size: Option<f64>,
+
+    /// Renders the scene at this frame: keys of `animate` have their values there, and #### in names of
+    /// files (-o render.####.exr) becomes its number
+    #[arg(long, value_name = "N")]
+    pub(crate) frame: Option<u32>,
 }
 
 /// What of the machine may be used.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct MachineArguments {
     /// Threads; the result does not depend on them [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
@@ -114,7 +126,7 @@ pub(crate) struct MachineArguments {
 }
 
 /// What is told of the work.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct ReportArguments {
     /// Writes the figures of the run as JSON
     #[arg(long, value_name = "FILE")]

@@ -12,13 +12,15 @@ pub(crate) struct Budget {
 }
 
 impl Budget {
-    /// The least of `--max-memory`, what is free on this machine, and the limit of the control group.
+    /// The least of `--max-memory`, what is free on this machine, the limit of the control group, and
+    /// that of the address space.
     /// `None` where nothing limits or says.
     pub(crate) fn of_this_machine(max_memory: Option<u64>) -> Option<Self> {
         [
             (max_memory, "--max-memory"),
             (process::available_memory(), "free on this machine"),
             (process::control_group_memory(), "the limit of the control group"),
+            (process::address_space_limit(), "the limit of the address space"),
         ]
         .into_iter()
         .filter_map(|(bytes, limit)| Some(Self { bytes: bytes?, limit }))

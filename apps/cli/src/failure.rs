@@ -21,8 +21,12 @@ pub(crate) mod exit {
     pub(crate) const REFUSED: u8 = 69;
     /// A fault of the program.
     pub(crate) const BUG: u8 = 70;
+    /// An output cannot be created.
+    pub(crate) const CANNOT_CREATE: u8 = 73;
     /// Reading or writing failed half-way.
     pub(crate) const INPUT_OUTPUT: u8 = 74;
+    /// Not all is there yet; what is can be gone on with.
+    pub(crate) const INCOMPLETE: u8 = 75;
 }
 
 /// Why the program cannot do what was asked.
@@ -119,7 +123,6 @@ impl From<RenderError> for Failure {
                 exit::REFUSED
             }
             RenderError::CameraInIce { .. }
-            | RenderError::ShapesSearched
             | RenderError::MapSize { .. }
             | RenderError::MapPixels { .. }
             | RenderError::MapValue { .. }

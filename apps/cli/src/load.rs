@@ -74,6 +74,10 @@ pub(crate) fn load(
             SceneFile::parse(&made.toml, path, &overrides)?
         }
     };
+    let file = match arguments.frame {
+        Some(frame) => file.at_frame(frame)?,
+        None => file,
+    };
     let loader = Loader {
         mesh: &mut read_mesh(given),
         grains: &mut |path| Ok(read_grains(path)?),

@@ -3,6 +3,7 @@
 mod arguments;
 mod budget;
 mod command;
+mod disk;
 mod failure;
 mod load;
 mod output;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return arguments::answer(&error),
     };
+    signals::survive_file_size_limit();
     match catching_panics(|| command::run(&arguments.command)) {
         Ok(code) => ExitCode::from(code),
         Err(failure) => {

@@ -59,6 +59,29 @@ pub(crate) fn available_memory() -> Option<u64> {
     kibibytes(&meminfo, "MemAvailable:")
 }
 
+/// Bytes that can still be written to the disk of a folder; `None` where the system does not say.
+#[cfg(unix)]
+pub(crate) fn free_disk(folder: &std::path::Path) -> Option<u64> {
+    let disk = rustix::fs::statvfs(folder).ok()?;
+    disk.f_bavail.checked_mul(disk.f_frsize)
+}
+
+#[cfg(not(unix))]
+pub(crate) fn free_disk(_folder: &std::path::Path) -> Option<u64> {
+    None
+}
+
+/// Most address space that this process may take (`ulimit -v`), bytes; `None` where that is not limited.
+#[cfg(unix)]
+pub(crate) fn address_space_limit() -> Option<u64> {
+    rustix::process::getrlimit(rustix::process::Resource::As).current
+}
+
+#[cfg(not(unix))]
+pub(crate) fn address_space_limit() -> Option<u64> {
+    None
+}
+
 /// The least memory limit of the control groups that this process is in, bytes.
 pub(crate) fn control_group_memory() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;

@@ -16,6 +16,11 @@ struct Shared {
     writing: Mutex<()>,
 }
 
+/// From now on a file that grows beyond the limit of the process fails to be written, and does not end it.
+pub(crate) fn survive_file_size_limit() {
+    platform::survive_file_size_limit();
+}
+
 /// Signals that ask the program to stop.
 #[derive(Clone, Debug)]
 pub(crate) struct Interrupts(Arc<Shared>);
@@ -72,9 +77,15 @@ impl Shared {
 #[cfg(unix)]
 mod platform {
     use super::Shared;
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     use std::sync::Arc;
+
+    /// A limit on the size of files is then an error of who writes, and no end of the program.
+    pub(super) fn survive_file_size_limit() {
+        // Where that cannot be had the program ends there, and leaves the old file.
+        let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
+    }
 
     /// Without a thread for them, signals simply end the program, as they would anyway.
     pub(super) fn watch(shared: Arc<Shared>) {
@@ -99,6 +110,8 @@ mod platform {
 
 #[cfg(not(unix))]
 mod platform {
+    pub(super) fn survive_file_size_limit() {}
+
     /// Signals end the program.
     pub(super) fn watch(_shared: std::sync::Arc<super::Shared>) {}
 }

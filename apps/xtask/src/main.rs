@@ -1,9 +1,12 @@
-//! Tasks of the project: `cargo xtask validate` and `cargo xtask look`.
+//! Tasks of the project: `cargo xtask validate`, `cargo xtask look` and `cargo xtask stress`.
 
 mod figure;
 mod look;
 mod program;
 mod report;
+mod sections;
+#[cfg(unix)]
+mod stress;
 mod table;
 mod validate;
 
@@ -23,12 +26,17 @@ enum Task {
     Validate(validate::Options),
     /// Measures close pictures of snow against what real snow shows, and writes look.md
     Look(look::Options),
+    /// Kills, stops and starves renders, and counts what becomes of them
+    #[cfg(unix)]
+    Stress(stress::Options),
 }
 
 fn main() -> anyhow::Result<ExitCode> {
     let passed = match Arguments::parse().task {
         Task::Validate(options) => validate::validate(&options)?,
         Task::Look(options) => look::look(&options)?,
+        #[cfg(unix)]
+        Task::Stress(options) => stress::stress(&options)?,
     };
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

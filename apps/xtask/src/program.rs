@@ -27,6 +27,10 @@ impl Program {
         Ok(Self { path, folder: tempfile::tempdir()? })
     }
 
+    pub(crate) fn executable(&self) -> &Path {
+        &self.path
+    }
+
     pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }

@@ -14,7 +14,10 @@ mod strata;
 pub mod surfaces;
 mod words;
 
-pub use flight::{ArrivalFrom, Flight, FlightEvent, GrainVisit, Probe, ProbeAnswer, Probes};
+pub use flight::{
+    ArrivalFrom, Flight, FlightEvent, GrainVisit, Outgoing, Passage, Probe, ProbeAnswer, Probes,
+    ShapedArrival,
+};
 pub use grain_grid::{
     GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing, ShapedGrains,
 };

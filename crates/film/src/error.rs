@@ -102,6 +102,30 @@ pub enum FilmError {
         /// Of the other film.
         theirs: String,
     },
+    /// There is nothing to put together.
+    #[error("there is no film to put together")]
+    NoFilms,
+    /// Films of crops that share pixels.
+    #[error(
+        "the crops {ours} and {theirs} overlap; films of one crop are merged, others must lie apart"
+    )]
+    CropsOverlap {
+        /// A crop.
+        ours: PixelRect,
+        /// Another.
+        theirs: PixelRect,
+    },
+    /// Crops that do not fill a rectangle.
+    #[error("the crops leave {pixels} pixels of {whole} open; render those, too")]
+    CropsLeaveGaps {
+        /// The rectangle around all crops.
+        whole: PixelRect,
+        /// Pixels in no crop.
+        pixels: u64,
+    },
+    /// Crops of a film with a noise target.
+    #[error("films with a noise target can be merged but not put together from crops")]
+    CropsWithCounts,
     /// A layer does not have one value per pixel.
     #[error("layer {layer} has {values} values for {pixels} pixels")]
     LayerSize {
@@ -141,6 +165,12 @@ pub enum FilmError {
          mixed; render it with --keep light-groups"
     )]
     NoLightLayers,
+    /// A film with shadow catchers, whose light is to be changed.
+    #[error(
+        "the film has shadow catchers, whose shadows hold for the lights and the ice that it was \
+         rendered with; change those in the scene and render it again"
+    )]
+    ShadowCatcherIsFixed,
     /// A group of lights that a film does not have.
     #[error("the film has no group of lights {name}; it has {known}")]
     UnknownLightLayer {

@@ -2,7 +2,7 @@
 
 use crate::{
     BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, Kept, LightLayerNames,
-    LightLayers, PixelRect, PixelSums, SampleRanges,
+    LightLayers, PixelRect, PixelSums, SampleRanges, ShadowSums, shadow_catcher,
 };
 use snowgrain_optics::Grade;
 use std::ops::Range;
@@ -18,7 +18,7 @@ pub struct FilmIdentity {
 
 /// Exact sums over the samples of a picture; 208 bytes per pixel of the crop, and those of
 /// [`IcePathLayout::bytes`] where ice paths and of [`LightLayerNames::bytes`] where layers of light are
-/// kept.
+/// kept; 112 more where it has shadow catchers.
 ///
 /// Films of the same picture and of different samples merge in any order to the same bytes.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,8 +34,13 @@ pub struct Film {
     pub grade: Grade,
     /// Vertical field of view of the whole picture, degrees, if known.
     pub vertical_fov_degrees: Option<f64>,
+    /// Digest of what was asked for, which is known before anything of the scene is made: its description
+    /// and the version of the program.
+    pub recipe: Option<[u8; 32]>,
     ice_paths: Option<IcePaths>,
     light_layers: Option<LightLayers>,
+    /// Of each pixel, where there are shadow catchers.
+    shadow_sums: Option<Vec<ShadowSums>>,
 }
 
 impl Film {
@@ -63,8 +68,10 @@ impl Film {
             pixels,
             grade: Grade::default(),
             vertical_fov_degrees: None,
+            recipe: None,
             ice_paths: None,
             light_layers: None,
+            shadow_sums: None,
         })
     }
 
@@ -106,20 +113,39 @@ impl Film {
         Ok(self)
     }
 
+    /// The same film, empty of what shadow catchers show, that keeps it from now on.
+    ///
+    /// # Errors
+    /// More than memory.
+    pub fn keeping_shadow_catcher(mut self) -> Result<Self, FilmError> {
+        self.shadow_sums = Some(shadow_catcher::empty_sums(self.pixels.len())?);
+        Ok(self)
+    }
+
     /// A film of the same picture that keeps the same, without samples.
     ///
     /// # Errors
     /// More than memory.
     pub fn empty_copy(&self) -> Result<Self, FilmError> {
-        let mut film = Self::new(self.width, self.height, self.crop, self.identity)?;
-        film.grade = self.grade.clone();
+        let mut film = self.empty_copy_of(self.crop)?;
         film.block_counts = self.block_counts.clone();
+        Ok(film)
+    }
+
+    /// The same of another crop, without counts of samples by block.
+    pub(crate) fn empty_copy_of(&self, crop: PixelRect) -> Result<Self, FilmError> {
+        let mut film = Self::new(self.width, self.height, crop, self.identity)?;
+        film.grade = self.grade.clone();
         film.vertical_fov_degrees = self.vertical_fov_degrees;
+        film.recipe = self.recipe;
         if let Some(paths) = &self.ice_paths {
             film = film.keeping_ice_paths(paths.layout())?;
         }
         if let Some(light) = &self.light_layers {
             film = film.keeping_light_layers(light.layers().clone())?;
+        }
+        if self.shadow_sums.is_some() {
+            film = film.keeping_shadow_catcher()?;
         }
         Ok(film)
     }
@@ -135,12 +161,24 @@ impl Film {
         self.light_layers.as_mut()
     }
 
+    /// What shadow catchers show in each pixel, if it keeps that.
+    #[must_use]
+    pub fn shadow_sums(&self) -> Option<&[ShadowSums]> {
+        self.shadow_sums.as_deref()
+    }
+
+    /// The same, to be filled by a reader of film files.
+    pub fn shadow_sums_mut(&mut self) -> Option<&mut [ShadowSums]> {
+        self.shadow_sums.as_deref_mut()
+    }
+
     /// What it keeps beside the sums of its pixels.
     #[must_use]
     pub fn kept(&self) -> Kept {
         Kept {
             ice_paths: self.ice_paths.as_ref().map(IcePaths::layout),
             light_layers: self.light_layers.as_ref().map_or(0, |light| light.layers().count()),
+            shadow_catcher: self.shadow_sums.is_some(),
         }
     }
 
@@ -227,23 +265,39 @@ impl Film {
     /// Films of different size, crop, scene or seed; samples that are in both; sums that leave
     /// their range.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
-        self.check_same_picture(other)?;
+        self.check_same_but_crop(other)?;
+        if self.crop != other.crop {
+            let (ours, theirs) = (self.crop.to_string(), other.crop.to_string());
+            return Err(FilmError::FilmsDiffer { what: "crop", ours, theirs });
+        }
         let mut samples = self.samples.clone();
         samples.insert_all(&other.samples)?;
         let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
         let layers = other.light_layers.as_ref().map_or(&[][..], LightLayers::sums);
-        self.part_mut(other.crop).add_sums(&other.pixels, ice, layers)?;
+        let shadows = other.shadow_sums.as_deref().unwrap_or_default();
+        self.part_mut(other.crop).add_sums(&other.pixels, ice, layers, shadows)?;
         self.samples = samples;
+        self.recipe = self.recipe.filter(|_| self.recipe == other.recipe);
         Ok(())
     }
 
-    fn check_same_picture(&self, other: &Self) -> Result<(), FilmError> {
+    /// Puts a film of a part of the crop into its place, where nothing is yet, and takes over its samples.
+    pub(crate) fn place(&mut self, part: &Self) -> Result<(), FilmError> {
+        let ice = part.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
+        let layers = part.light_layers.as_ref().map_or(&[][..], LightLayers::sums);
+        let shadows = part.shadow_sums.as_deref().unwrap_or_default();
+        self.part_mut(part.crop).add_sums(&part.pixels, ice, layers, shadows)?;
+        self.samples = part.samples.clone();
+        self.recipe = self.recipe.filter(|_| self.recipe == part.recipe);
+        Ok(())
+    }
+
+    pub(crate) fn check_same_but_crop(&self, other: &Self) -> Result<(), FilmError> {
         let differ = |what, ours: String, theirs: String| {
             if ours == theirs { Ok(()) } else { Err(FilmError::FilmsDiffer { what, ours, theirs }) }
         };
         let size = |film: &Self| format!("{}x{}", film.width, film.height);
         differ("size", size(self), size(other))?;
-        differ("crop", self.crop.to_string(), other.crop.to_string())?;
         let hash = |film: &Self| hexadecimal(&film.identity.scene_hash);
         differ("scene", hash(self), hash(other))?;
         differ("seed", self.identity.seed.to_string(), other.identity.seed.to_string())?;
@@ -269,7 +323,9 @@ impl Film {
                 format!("{} of slots {:?}", layers.names().join(", "), layers.layer_of_slot())
             }
         };
-        differ("layers of light", kept(self), kept(other))
+        differ("layers of light", kept(self), kept(other))?;
+        let kept = |film: &Self| film.shadow_sums.is_some().to_string();
+        differ("shadow catchers", kept(self), kept(other))
     }
 
     /// The pixels of the crop as tiles of at most `side` x `side`, as [`PixelRect::tiles`] orders them,
@@ -291,6 +347,9 @@ impl Film {
                 tile.layer_rows.push(piece);
             });
         }
+        if let Some(shadows) = &mut self.shadow_sums {
+            grid.deal(shadows, 1, &mut tiles, |tile, piece| tile.shadow_rows.push(piece));
+        }
         tiles
     }
 
@@ -306,6 +365,9 @@ impl Film {
         if let Some(light) = &mut self.light_layers {
             let stride = light.layers().count();
             part.layer_rows.extend(rows_of(light.sums_mut(), stride, crop, rect));
+        }
+        if let Some(shadows) = &mut self.shadow_sums {
+            part.shadow_rows.extend(rows_of(shadows, 1, crop, rect));
         }
         part
     }

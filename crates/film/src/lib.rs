@@ -20,6 +20,7 @@
 //! # Ok::<(), snowgrain_film::FilmError>(())
 //! ```
 
+mod assemble;
 pub mod compare;
 pub mod develop;
 mod error;
@@ -35,6 +36,7 @@ mod rect;
 mod regrade;
 mod sample;
 mod sample_ranges;
+pub mod shadow_catcher;
 mod tile;
 
 pub use error::FilmError;
@@ -49,4 +51,5 @@ pub use rect::PixelRect;
 pub use regrade::{SpectralLayer, spectral_layers};
 pub use sample::{LARGEST_GUIDE, Sample, SampleFault};
 pub use sample_ranges::SampleRanges;
+pub use shadow_catcher::{CaughtLight, ShadowSums};
 pub use tile::{FilmTile, FilmTileMut, Kept};

@@ -215,7 +215,7 @@ pub(crate) fn add(
 
 /// A radiance in quanta, where it is in the range of samples: small enough that no number of layers leaves
 /// that of the sums.
-fn fixed(x: f32) -> Result<i128, Refused> {
+pub(crate) fn fixed(x: f32) -> Result<i128, Refused> {
     let limit = power_of_two(48);
     let magnitude = f64::from(x.abs());
     let fits = magnitude < limit;
@@ -225,8 +225,11 @@ fn fixed(x: f32) -> Result<i128, Refused> {
 }
 
 /// The first index at which the total of the sums would leave its range.
-pub(crate) fn overflow_of(sums: &[LayerSums], added: &[LayerSums]) -> Option<usize> {
-    let fits = |(sum, added): (&LayerSums, &LayerSums)| {
+pub(crate) fn overflow_of<const N: usize>(
+    sums: &[[i128; N]],
+    added: &[[i128; N]],
+) -> Option<usize> {
+    let fits = |(sum, added): (&[i128; N], &[i128; N])| {
         sum.iter().zip(added).all(|(sum, added)| sum.checked_add(*added).is_some())
     };
     sums.iter().zip(added).position(|pair| !fits(pair))

@@ -1,6 +1,8 @@
 //! A film read off: scene-linear layers of `f32`.
 
-use crate::{Film, FilmError, LightLayers, PixelRect, PixelSums, SpectralLayer};
+use crate::{
+    CaughtLight, Film, FilmError, LightLayers, PixelRect, PixelSums, ShadowSums, SpectralLayer,
+};
 use snowgrain_optics::Primaries;
 
 /// The closed set of layers, named as OpenEXR users name them.
@@ -150,6 +152,8 @@ pub struct Picture {
     pub spectrum: Vec<SpectralLayer>,
     /// The light in layers that add up to the colour layers (before a denoiser), if known.
     pub light_layers: Vec<LightLayer>,
+    /// Where the film has shadow catchers, what they show (`lit`) and would show alone (`unoccluded`).
+    pub shadow_layers: Vec<LightLayer>,
     /// Vertical field of view of the whole picture, degrees, if known.
     pub vertical_fov_degrees: Option<f64>,
     /// What the colour layers are amounts of (albedos are of sRGB always).
@@ -178,6 +182,7 @@ impl Picture {
             layers: Vec::new(),
             spectrum: Vec::new(),
             light_layers: Vec::new(),
+            shadow_layers: Vec::new(),
             vertical_fov_degrees: None,
             primaries: Primaries::default(),
             exposure_stops: 0.0,
@@ -186,7 +191,7 @@ impl Picture {
         })
     }
 
-    /// All layers of a film.
+    /// All layers of a film. Shadow catchers give way to the plate ([`CaughtLight::over_plate`]).
     ///
     /// # Errors
     /// More layers than memory.
@@ -199,8 +204,15 @@ impl Picture {
                 bytes: u128::from(film.crop().area()) * 60,
             })?;
         }
-        for sums in film.pixels() {
-            let pixel = Layer::all_of(sums);
+        let shadows = film.shadow_sums();
+        for (index, sums) in film.pixels().iter().enumerate() {
+            let mut pixel = Layer::all_of(sums);
+            if let Some(shadows) = shadows {
+                let caught = CaughtLight::of(&shadows[index], sums.samples());
+                let [r, g, b, alpha, ..] = pixel;
+                let ([r, g, b], alpha) = caught.over_plate([r, g, b], alpha);
+                pixel[..4].copy_from_slice(&[r, g, b, alpha]);
+            }
             layers.iter_mut().zip(pixel).for_each(|(values, value)| values.push(value as f32));
         }
         for (layer, values) in Layer::ALL.into_iter().zip(layers) {
@@ -208,6 +220,9 @@ impl Picture {
         }
         if let Some(light) = film.light_layers() {
             picture.light_layers = read_layers(film, light)?;
+        }
+        if let Some(shadows) = shadows {
+            picture.shadow_layers = read_shadows(film, shadows)?;
         }
         picture.vertical_fov_degrees = film.vertical_fov_degrees;
         picture.primaries = film.grade.primaries;
@@ -306,6 +321,18 @@ fn read_layers(film: &Film, light: &LightLayers) -> Result<Vec<LightLayer>, Film
     let mut layers = empty_layers(film, light.layers().names())?;
     for (pixel, sums) in film.pixels().iter().enumerate() {
         for (layer, colour) in layers.iter_mut().zip(light.light(pixel, sums.samples())) {
+            layer.values.iter_mut().zip(colour).for_each(|(values, x)| values.push(x as f32));
+        }
+    }
+    Ok(layers)
+}
+
+/// What the shadow catchers of a film show, and would show alone.
+fn read_shadows(film: &Film, shadows: &[ShadowSums]) -> Result<Vec<LightLayer>, FilmError> {
+    let mut layers = empty_layers(film, &["lit".to_owned(), "unoccluded".to_owned()])?;
+    for (pixel, sums) in film.pixels().iter().zip(shadows) {
+        let caught = CaughtLight::of(sums, pixel.samples());
+        for (layer, colour) in layers.iter_mut().zip([caught.lit, caught.unoccluded]) {
             layer.values.iter_mut().zip(colour).for_each(|(values, x)| values.push(x as f32));
         }
     }

@@ -37,7 +37,8 @@ impl Picture {
     /// leaves in the picture else. Glints are taken to have met no ice.
     ///
     /// # Errors
-    /// A film without ice paths where the grade has another absorption; more layers than memory.
+    /// A film without ice paths where the grade has another absorption; a film with shadow catchers; more
+    /// layers than memory.
     ///
     /// # Panics
     /// If the mix is of another film.
@@ -46,6 +47,9 @@ impl Picture {
         let mix = mix.filter(|mix| !mix.is_neutral());
         if *grade == film.grade && mix.is_none() {
             return Ok(picture);
+        }
+        if film.shadow_sums().is_some() {
+            return Err(FilmError::ShadowCatcherIsFixed);
         }
         let change = Change::new(film, grade, mix)?;
         let mut colours = [const { Vec::new() }; 3];

@@ -1,6 +1,7 @@
 //! Which samples a film holds.
 
 use crate::FilmError;
+use std::fmt;
 use std::ops::Range;
 
 /// Sample indices as sorted, disjoint, non-touching ranges, so that equal sets compare equal.
@@ -18,6 +19,23 @@ impl SampleRanges {
     #[must_use]
     pub fn total(&self) -> u64 {
         self.0.iter().map(|range| range.end - range.start).sum()
+    }
+
+    /// The parts of a range that are not held, ascending.
+    #[must_use]
+    pub fn missing_from(&self, range: Range<u64>) -> Vec<Range<u64>> {
+        let mut missing = Vec::new();
+        let mut at = range.start;
+        for held in &self.0 {
+            if held.start.min(range.end) > at {
+                missing.push(at..held.start.min(range.end));
+            }
+            at = at.max(held.end);
+        }
+        if at < range.end {
+            missing.push(at..range.end);
+        }
+        missing
     }
 
     /// Adds a range.
@@ -56,6 +74,20 @@ impl SampleRanges {
     }
 }
 
+impl fmt::Display for SampleRanges {
+    /// As `0..16, 32..48`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return f.write_str("none");
+        }
+        for (index, range) in self.0.iter().enumerate() {
+            let comma = if index > 0 { ", " } else { "" };
+            write!(f, "{comma}{}..{}", range.start, range.end)?;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +111,8 @@ mod tests {
                 prop_assert!(ranges.as_slice().windows(2).all(|w| w[0].end < w[1].start));
                 prop_assert_eq!(ranges.total(), set.len() as u64);
             }
+            let missing: Vec<u64> = ranges.missing_from(5..33).into_iter().flatten().collect();
+            prop_assert_eq!(missing, (5..33).filter(|i| !set.contains(i)).collect::<Vec<_>>());
         }
     }
 }

@@ -4,7 +4,8 @@ use crate::film::pixels_for;
 use crate::light_layers::LayerSums;
 use crate::pixel::add_all;
 use crate::{
-    FilmError, IcePathLayout, IcePaths, PixelRect, PixelSums, Sample, ice_paths, light_layers,
+    FilmError, IcePathLayout, IcePaths, PixelRect, PixelSums, Sample, ShadowSums, ice_paths,
+    light_layers, shadow_catcher,
 };
 
 /// What a film or tile keeps beside the sums of its pixels.
@@ -14,6 +15,8 @@ pub struct Kept {
     pub ice_paths: Option<IcePathLayout>,
     /// Number of layers of light; 0: none are kept.
     pub light_layers: usize,
+    /// What shadow catchers show, if that.
+    pub shadow_catcher: bool,
 }
 
 /// Exact sums of one rectangle of pixels, filled by one thread, then merged into a film.
@@ -24,6 +27,8 @@ pub struct FilmTile {
     ice_paths: Option<IcePaths>,
     /// Of each pixel, the sums of each layer.
     layer_sums: Vec<LayerSums>,
+    /// Of each pixel, if shadow catchers are kept.
+    shadow_sums: Vec<ShadowSums>,
     kept: Kept,
 }
 
@@ -45,7 +50,8 @@ impl FilmTile {
         let count = pixels.len();
         let ice_paths = kept.ice_paths.map(|layout| IcePaths::new(layout, count)).transpose()?;
         let layer_sums = light_layers::empty_sums(kept.light_layers, count)?;
-        Ok(Self { rect, pixels, ice_paths, layer_sums, kept })
+        let shadow_sums = shadow_catcher::empty_sums(if kept.shadow_catcher { count } else { 0 })?;
+        Ok(Self { rect, pixels, ice_paths, layer_sums, shadow_sums, kept })
     }
 
     /// Its pixels.
@@ -112,10 +118,32 @@ impl FilmTile {
         light_layers::add(sums, radiance, layers).map_err(|refused| refused.of(x, y))
     }
 
+    /// Adds what a sample shows of a shadow catcher to a pixel, where that is kept: as
+    /// [`FilmTileMut::add_caught_light`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn add_caught_light(
+        &mut self,
+        x: u32,
+        y: u32,
+        lit: [f32; 3],
+        unoccluded: [f32; 3],
+    ) -> Result<(), FilmError> {
+        if !self.kept.shadow_catcher {
+            return Ok(());
+        }
+        let rect = self.rect;
+        let index = rect.index(x, y).ok_or(FilmError::OutsideTile { x, y, rect })?;
+        shadow_catcher::add(&mut self.shadow_sums[index], lit, unoccluded)
+            .map_err(|refused| refused.of(x, y))
+    }
+
     /// Forgets all samples, to be used again.
     pub fn clear(&mut self) {
         self.pixels.fill(PixelSums::default());
         self.layer_sums.fill([0; 3]);
+        self.shadow_sums.fill([0; 7]);
         if let Some(ice) = &mut self.ice_paths {
             ice.sums_mut().fill(0);
         }
@@ -133,6 +161,8 @@ pub struct FilmTileMut<'a> {
     pub(crate) ice_rows: Vec<&'a mut [i64]>,
     /// Their layers of light, where those are kept.
     pub(crate) layer_rows: Vec<&'a mut [LayerSums]>,
+    /// What shadow catchers show in them, where that is kept.
+    pub(crate) shadow_rows: Vec<&'a mut [ShadowSums]>,
 }
 
 impl FilmTileMut<'_> {
@@ -141,7 +171,8 @@ impl FilmTileMut<'_> {
         let height = rect.height() as usize;
         let ice_rows = Vec::with_capacity(if kept.ice_paths.is_some() { height } else { 0 });
         let layer_rows = Vec::with_capacity(if kept.light_layers > 0 { height } else { 0 });
-        Self { rect, kept, rows: Vec::with_capacity(height), ice_rows, layer_rows }
+        let shadow_rows = Vec::with_capacity(if kept.shadow_catcher { height } else { 0 });
+        Self { rect, kept, rows: Vec::with_capacity(height), ice_rows, layer_rows, shadow_rows }
     }
 
     /// Its pixels.
@@ -156,6 +187,19 @@ impl FilmTileMut<'_> {
     /// [`FilmError::TooLarge`].
     pub fn empty_copy(&self) -> Result<FilmTile, FilmError> {
         FilmTile::keeping(self.rect, self.kept)
+    }
+
+    /// Takes over all sums of a tile of the same pixels that keeps the same.
+    ///
+    /// # Panics
+    /// If the other tile is of other pixels or keeps something else.
+    pub fn copy_from(&mut self, other: &FilmTileMut<'_>) {
+        assert_eq!(self.rect, other.rect, "only tiles of the same pixels are copied");
+        assert_eq!(self.kept, other.kept, "only tiles that keep the same are copied");
+        copy_rows(&mut self.rows, &other.rows);
+        copy_rows(&mut self.ice_rows, &other.ice_rows);
+        copy_rows(&mut self.layer_rows, &other.layer_rows);
+        copy_rows(&mut self.shadow_rows, &other.shadow_rows);
     }
 
     /// The sums of pixel `(x, y)` of the picture; `None` outside the tile.
@@ -226,6 +270,31 @@ impl FilmTileMut<'_> {
         light_layers::add(sums, radiance, layers).map_err(|refused| refused.of(x, y))
     }
 
+    /// Adds what a sample shows of a shadow catcher to pixel `(x, y)`, where that is kept: the radiance that
+    /// the catcher shows and the one that it would show alone ([`crate::shadow_catcher`]). On an error nothing is
+    /// added.
+    ///
+    /// # Errors
+    /// A pixel outside the tile; radiances that are no numbers or leave the range of the sums.
+    pub fn add_caught_light(
+        &mut self,
+        x: u32,
+        y: u32,
+        lit: [f32; 3],
+        unoccluded: [f32; 3],
+    ) -> Result<(), FilmError> {
+        let rect = self.rect;
+        if !self.kept.shadow_catcher {
+            return Ok(());
+        }
+        if !rect.contains(x, y) {
+            return Err(FilmError::OutsideTile { x, y, rect });
+        }
+        let row = &mut self.shadow_rows[(y - rect.y0) as usize];
+        shadow_catcher::add(&mut row[(x - rect.x0) as usize], lit, unoccluded)
+            .map_err(|refused| refused.of(x, y))
+    }
+
     /// Adds the sums of a tile of the same pixels that keeps the same; on an error nothing is added.
     ///
     /// # Errors
@@ -237,7 +306,7 @@ impl FilmTileMut<'_> {
         assert_eq!(self.rect, other.rect, "only tiles of the same pixels are merged");
         assert_eq!(self.kept, other.kept, "only tiles that keep the same are merged");
         let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
-        self.add_sums(&other.pixels, ice, &other.layer_sums)
+        self.add_sums(&other.pixels, ice, &other.layer_sums, &other.shadow_sums)
     }
 
     /// Adds row-major sums of its pixels; on an error nothing is added.
@@ -246,6 +315,7 @@ impl FilmTileMut<'_> {
         pixels: &[PixelSums],
         ice: &[i64],
         layers: &[LayerSums],
+        shadows: &[ShadowSums],
     ) -> Result<(), FilmError> {
         let rect = self.rect;
         let overflow = |(row, column): (usize, usize)| FilmError::Overflow {
@@ -262,17 +332,28 @@ impl FilmTileMut<'_> {
         let layer_place =
             first_overflow(&self.layer_rows, added_layers.clone(), light_layers::overflow_of)
                 .map(|(row, index)| (row, index / layer_stride));
-        ice_place.or(layer_place).map_or(Ok(()), |place| Err(overflow(place)))?;
+        let added_shadows = shadows.chunks(width);
+        let shadow_place =
+            first_overflow(&self.shadow_rows, added_shadows.clone(), light_layers::overflow_of);
+        ice_place.or(layer_place).or(shadow_place).map_or(Ok(()), |place| Err(overflow(place)))?;
         add_rows(&mut self.rows, pixels.chunks(width)).map_err(overflow)?;
         for (row, added) in self.ice_rows.iter_mut().zip(added_ice) {
             row.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
         }
-        for (row, added) in self.layer_rows.iter_mut().zip(added_layers) {
-            let pairs = row.as_flattened_mut().iter_mut().zip(added.as_flattened());
-            pairs.for_each(|(sum, added)| *sum += added);
+        let layers = self.layer_rows.iter_mut().zip(added_layers);
+        let layers = layers.map(|(row, added)| (row.as_flattened_mut(), added.as_flattened()));
+        let shadows = self.shadow_rows.iter_mut().zip(added_shadows);
+        let shadows = shadows.map(|(row, added)| (row.as_flattened_mut(), added.as_flattened()));
+        for (row, added) in layers.chain(shadows) {
+            row.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
         }
         Ok(())
     }
+}
+
+/// Copies rows of the same lengths.
+fn copy_rows<T: Copy>(rows: &mut [&mut [T]], from: &[&mut [T]]) {
+    rows.iter_mut().zip(from).for_each(|(row, from)| row.copy_from_slice(from));
 }
 
 /// The row, and the index in it, of the first sum that would leave its range.

@@ -6,6 +6,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
+/// What temporary files are called: these around the number of the process and some letters.
+const PREFIX: &str = ".snowgrain-";
+const SUFFIX: &str = ".partial";
+
 /// Writes a file through a temporary one in the same folder: filled by `body`, flushed to the disk,
 /// then renamed. On any error the file that was there before stays and the temporary one goes.
 ///
@@ -29,13 +33,15 @@ pub fn write(
 }
 
 /// Whether a file could be written there now, so that a long run does not end in a surprise. An
-/// existing file is not touched.
+/// existing file is not touched. Temporary files that killed processes left in its folder are removed: they are
+/// locked as long as someone writes to them.
 ///
 /// # Errors
 /// [`FormatsError::CannotCreate`]: the folder is missing or read-only, or the path is a folder or a
 /// read-only file.
 pub fn check_writable_target(path: &Path) -> Result<(), FormatsError> {
     let target = target(path)?;
+    sweep(&target.folder);
     temporary_beside(path, &target).map(drop)
 }
 
@@ -76,13 +82,57 @@ fn target(path: &Path) -> Result<Target, FormatsError> {
 }
 
 fn temporary_beside(path: &Path, target: &Target) -> Result<NamedTempFile, FormatsError> {
+    let prefix = format!("{PREFIX}{}-", std::process::id());
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".snowgrain-").suffix(".partial");
+    builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     #[cfg(unix)]
     builder.permissions(permissions);
-    builder.tempfile_in(&target.folder).map_err(|error| cannot_create(path, &error))
+    loop {
+        let made = builder.tempfile_in(&target.folder);
+        let temporary = made.map_err(|error| cannot_create(path, &error))?;
+        match temporary.as_file().lock() {
+            // Between its making and its lock another process may have swept it.
+            Ok(()) if !is_there(&temporary) => {}
+            Ok(()) => return Ok(temporary),
+            // Where files cannot be locked none is swept.
+            Err(_) => return Ok(temporary),
+        }
+    }
+}
+
+/// Whether a temporary file still stands where it was made.
+#[cfg(unix)]
+fn is_there(temporary: &NamedTempFile) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
+    let (own, found) = (temporary.as_file().metadata(), fs::symlink_metadata(temporary.path()));
+    own.is_ok_and(|own| found.is_ok_and(|found| identity(own) == identity(found)))
+}
+
+#[cfg(not(unix))]
+fn is_there(temporary: &NamedTempFile) -> bool {
+    temporary.path().exists()
+}
+
+/// Removes temporary files that nobody holds. What cannot be looked at is left.
+fn sweep(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if !(is_file && name.starts_with(PREFIX) && name.ends_with(SUFFIX)) {
+            continue;
+        }
+        if let Ok(file) = File::open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            // Whoever cannot remove it leaves it to others.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 fn cannot_create(path: &Path, error: &io::Error) -> FormatsError {
@@ -157,6 +207,20 @@ mod tests {
         assert_eq!(error.exit_code(), 74);
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["out.bin"]);
+    }
+
+    #[test]
+    fn what_killed_writers_left_is_swept_and_what_others_write_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.bin");
+        fs::write(folder.path().join(".snowgrain-77-abc.partial"), "stale").unwrap();
+        fs::write(folder.path().join(".other-77.partial"), "not ours").unwrap();
+        let held = temporary_beside(&path, &target(&path).unwrap()).unwrap();
+        check_writable_target(&path).unwrap();
+        let mut left = names(folder.path());
+        left.sort();
+        let held = held.path().file_name().unwrap().to_string_lossy().into_owned();
+        assert_eq!(left, [".other-77.partial", &held]);
     }
 
     #[test]

@@ -76,6 +76,7 @@ pub(crate) fn decode_radiance(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_files;
     use ::exr::prelude::*;
     use proptest::prelude::*;
     use snowgrain_math::DVec3;
@@ -89,21 +90,13 @@ mod tests {
         bytes
     }
 
+    /// A picture whose red is `value`.
     fn openexr(width: usize, height: usize, value: impl Fn(Vec2<usize>) -> f32 + Sync) -> Vec<u8> {
-        let channels = SpecificChannels::rgb(|at: Vec2<usize>| (value(at), 0.5f32, 0.25f32));
-        let mut bytes = Vec::new();
-        Image::from_channels((width, height), channels)
-            .write()
-            .non_parallel()
-            .to_buffered(Cursor::new(&mut bytes))
-            .unwrap();
-        bytes
+        test_files::openexr((width, height), |at| [value(at), 0.5, 0.25])
     }
 
     fn refusal(bytes: &[u8]) -> String {
-        let error = decode(bytes).unwrap_err().of(Path::new("a.map"));
-        assert_eq!(error.exit_code(), 65);
-        error.to_string()
+        test_files::refusal(decode(bytes).map_err(|fault| fault.of(Path::new("a.map"))))
     }
 
     #[test]

@@ -176,6 +176,11 @@ impl From<io::Error> for Fault {
     }
 }
 
+/// Text from a file, short enough for a message.
+pub(crate) fn abridged(text: &str) -> String {
+    text.trim().chars().take(40).collect()
+}
+
 /// An empty vector with room for `count` items; `what` names them. `count` must have been checked
 /// against the length of the file.
 pub(crate) fn room<T>(count: usize, what: &str) -> Result<Vec<T>, Fault> {

@@ -1,6 +1,6 @@
 //! The film container (`.film`): the exact sums of a render, to continue or merge it.
 //!
-//! Little-endian, version 3:
+//! Little-endian, version 4:
 //!
 //! | bytes | content |
 //! |---|---|
@@ -16,6 +16,8 @@
 //! | 4 | layers of light; 0: they are not kept |
 //! | 4, 4 | bytes of the grade and of the names of the layers |
 //! | 4 | counts of samples by block ([`BlockCounts`]); 0: blocks do not differ |
+//! | 4 | 1: what shadow catchers show is kept; 0: it is not |
+//! | 32 | digest of what was asked for ([`Film::recipe`]); 0: not known |
 //! | so many | the grade, as TOML ([`grade`]) |
 //! | so many | the names of the layers, as TOML ([`layers`]) |
 //! | 16 each | first sample, sample after the last |
@@ -24,11 +26,13 @@
 //! | 208 each | sums of the pixels of the crop, row-major ([`PixelSums::to_le_bytes`]) |
 //! | 768 each, for each spectrum | ice paths of the pixels ([`IcePaths::sums`]), signed, 8 bytes each |
 //! | 48 each, for each layer | layers of light of the pixels ([`LightLayers::sums`]), signed, 16 bytes each |
+//! | 112 each | what shadow catchers show in the pixels ([`Film::shadow_sums`]), signed, 16 bytes each |
 //! | 32 | BLAKE3 of all bytes before |
 
 mod grade;
 mod header;
 mod layers;
+mod summary;
 
 use crate::error::{Fault, FormatsError, room};
 use crate::{atomic, input};
@@ -36,6 +40,8 @@ use header::Header;
 use snowgrain_film::{BlockCounts, Film, FilmError, IcePaths, LightLayers, PixelSums};
 use std::io::{self, Read, Write};
 use std::path::Path;
+
+pub use summary::{FilmSummary, film_summary};
 
 const MAGIC: &[u8; 8] = b"SNOWFILM";
 /// Sums that are read or written at once.
@@ -86,6 +92,8 @@ fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     write_sums(&mut writer, ice, i64::to_le_bytes)?;
     let light = film.light_layers().map_or(&[][..], LightLayers::sums).as_flattened();
     write_sums(&mut writer, light, i128::to_le_bytes)?;
+    let shadows = film.shadow_sums().unwrap_or_default().as_flattened();
+    write_sums(&mut writer, shadows, i128::to_le_bytes)?;
     let hash = writer.hasher.finalize();
     writer.stream.write_all(hash.as_bytes())
 }
@@ -126,11 +134,8 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     let mut reader = Hashing { stream: reader, hasher: blake3::Hasher::new() };
     let header = Header::read(&mut reader, length)?;
     let mut film = empty_film(&mut reader, &header)?;
-    for _ in 0..header.ranges {
-        let start = u64::from_le_bytes(array(&mut reader)?);
-        let end = u64::from_le_bytes(array(&mut reader)?);
-        let recorded = film.record_samples(start..end);
-        recorded.map_err(|error| Fault::whole(error.to_string(), MEND))?;
+    for range in summary::read_ranges(&mut reader, header.ranges)?.as_slice() {
+        film.record_samples(range.clone()).map_err(film_fault)?;
     }
     if header.block_counts > 0 {
         let counts = read_counts(&mut reader, &header)?;
@@ -143,6 +148,8 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     read_sums(&mut reader, ice, i64::from_le_bytes)?;
     let light = film.light_layers_mut().map_or(&mut [][..], LightLayers::sums_mut);
     read_sums(&mut reader, light.as_flattened_mut(), i128::from_le_bytes)?;
+    let shadows = film.shadow_sums_mut().unwrap_or_default();
+    read_sums(&mut reader, shadows.as_flattened_mut(), i128::from_le_bytes)?;
     let hash = reader.hasher.finalize();
     let mut written = [0; 32];
     reader.stream.read_exact(&mut written)?;
@@ -177,7 +184,11 @@ fn empty_film(reader: &mut impl Read, header: &Header) -> Result<Film, Fault> {
         }
         film = film.keeping_light_layers(layers).map_err(film_fault)?;
     }
+    if header.shadow_catcher {
+        film = film.keeping_shadow_catcher().map_err(film_fault)?;
+    }
     film.grade = grade;
+    film.recipe = header.recipe;
     film.vertical_fov_degrees = header.vertical_fov_degrees;
     Ok(film)
 }
@@ -203,6 +214,14 @@ fn array<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], Fault> {
     let mut bytes = [0; N];
     reader.read_exact(&mut bytes)?;
     Ok(bytes)
+}
+
+/// Passes over so many bytes.
+fn skip(reader: &mut impl Read, bytes: u64) -> Result<(), Fault> {
+    match io::copy(&mut reader.take(bytes), &mut io::sink())? {
+        passed if passed == bytes => Ok(()),
+        _ => Err(Fault::truncated()),
+    }
 }
 
 /// A stream that hashes what passes through it.
@@ -270,8 +289,10 @@ mod tests {
         let names = ["sun", "glints"].map(str::to_owned).to_vec();
         let names = LightLayerNames::new(names, vec![0, 0]).unwrap();
         let film = Film::new(2, 2, crop, identity).unwrap().keeping_ice_paths(layout).unwrap();
-        let mut film = film.keeping_light_layers(names).unwrap();
+        let film = film.keeping_light_layers(names).unwrap();
+        let mut film = film.keeping_shadow_catcher().unwrap();
         film.vertical_fov_degrees = Some(33.5);
+        film.recipe = Some([7; 32]);
         film.grade = Grade {
             primaries: Primaries::AcesCg,
             lights: vec![Illuminant::A, Illuminant::D65],
@@ -283,10 +304,11 @@ mod tests {
             enhancement: 1.253_5,
             exposure_stops: -14.75 * length,
         };
-        let kept = Kept { ice_paths: Some(layout), light_layers: 2 };
+        let kept = Kept { ice_paths: Some(layout), light_layers: 2, shadow_catcher: true };
         let mut tile = FilmTile::keeping(crop, kept).unwrap();
         let layers = [[0.5, -0.25, 1e9], [0.25, 0.0, -3.0]];
         tile.add_light_layers(0, 1, [0.75, -0.25, 999_999_997.0], &layers).unwrap();
+        tile.add_caught_light(1, 1, [0.5; 3], [0.25, 1.0, -1e-3]).unwrap();
         tile.add_ice_path(1, 0, length, &[[0.5, 0.25, -0.1], [40.0, 0.0, 3.0]]).unwrap();
         film.merge_tile(&tile).unwrap();
         film
@@ -357,7 +379,7 @@ mod tests {
         #[test]
         fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
             prop_assert!(read_bytes(&bytes).is_err());
-            prop_assert!(read_bytes(&[&MAGIC[..], &[3, 0, 0, 0], &bytes].concat()).is_err());
+            prop_assert!(read_bytes(&[&MAGIC[..], &[4, 0, 0, 0], &bytes].concat()).is_err());
         }
     }
 

@@ -8,7 +8,7 @@
 
 mod shapes;
 
-use crate::error::{Fault, FormatsError, Place, room};
+use crate::error::{Fault, FormatsError, Place, abridged, room};
 use crate::mesh::{coordinates, single_property};
 use crate::ply::{Body, Element, Header, Row};
 use crate::{atomic, input};
@@ -208,15 +208,15 @@ fn lattice(comments: &[String]) -> Result<(DVec3, Option<f64>), Fault> {
         match words[..] {
             ["unit", "m" | "metre" | "metres" | "meter" | "meters"] | ["up", "y" | "Y"] => {}
             ["unit", unit] => {
-                let what = format!("lengths are in {unit:?}");
+                let what = format!("lengths are in {:?}", abridged(unit));
                 return Err(Fault::whole(what, "give grains in metres: \"comment unit metre\""));
             }
             ["up", axis] => {
-                let what = format!("the axis that points up is {axis:?}");
+                let what = format!("the axis that points up is {:?}", abridged(axis));
                 return Err(Fault::whole(what, "turn the grains so that y points up"));
             }
             ["snowgrain", "grains", version] if version != "1" => {
-                let what = format!("version {version:?} of grain files is not known");
+                let what = format!("version {:?} of grain files is not known", abridged(version));
                 return Err(Fault::whole(what, "use a newer Snowgrain"));
             }
             ["origin", x, y, z] => {
@@ -231,7 +231,7 @@ fn lattice(comments: &[String]) -> Result<(DVec3, Option<f64>), Fault> {
 
 fn metres(text: &str) -> Result<f64, Fault> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
-        let what = format!("{text:?} in a comment is not a finite number");
+        let what = format!("{:?} in a comment is not a finite number", abridged(text));
         Fault::whole(what, "mend the comment or remove it")
     })
 }

@@ -21,20 +21,25 @@ pub mod atomic;
 mod environment;
 mod error;
 mod film_file;
+mod folder;
 mod gltf;
 mod grains;
+#[cfg(test)]
+mod hostile_tests;
 pub mod image;
 mod input;
 pub mod laboratory;
 mod mesh;
 mod ply;
 pub mod scene;
+#[cfg(test)]
+mod test_files;
 pub mod tev;
 mod texture;
 
 pub use environment::load_environment;
 pub use error::{FormatsError, Place};
-pub use film_file::{read_film, write_film};
+pub use film_file::{FilmSummary, film_summary, read_film, write_film};
 pub use gltf::{
     ImportedCamera, ImportedLight, ImportedLightKind, ImportedMaterial, ImportedObject,
     ImportedProjection, ImportedScene, read_gltf,

@@ -18,9 +18,8 @@ use zune_jpeg::JpegDecoder;
 /// Most memory that decoding may take, bytes.
 const MOST_BYTES: u64 = 1 << 31;
 
-/// Most pixels that a byte of a file can stand for: eight of one bit, as often as deflate repeats one
-/// (1032 times); JPEG files hold fewer.
-const MOST_PIXELS_A_BYTE: u64 = 8 * 1032;
+/// How many bytes a byte of deflate can stand for at most.
+const DEFLATE: u64 = 1032;
 
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_MAGIC: &[u8] = &[0xff, 0xd8];
@@ -98,7 +97,24 @@ fn decode_png(bytes: &[u8]) -> Result<DynamicImage, Fault> {
     let decoder = reader.into_decoder().map_err(invalid)?;
     let (width, height) = decoder.dimensions();
     check_plausible([width as usize, height as usize], bytes)?;
+    let pixels = u64::from(width) * u64::from(height);
+    check_held([width as usize, height as usize], pixels * bits_a_pixel(bytes) / 8, bytes)?;
+    // What the decoder takes must be there: it cannot be told that it is not.
+    let count = usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX);
+    drop(room::<u8>(count, "bytes of a picture")?);
     DynamicImage::from_decoder(decoder).map_err(invalid)
+}
+
+/// Bits of a pixel of a PNG file, before they are compressed.
+fn bits_a_pixel(bytes: &[u8]) -> u64 {
+    let (depth, kind) = (bytes.get(24).copied(), bytes.get(25).copied());
+    let channels = match kind {
+        Some(2) => 3,
+        Some(4) => 2,
+        Some(6) => 4,
+        _ => 1,
+    };
+    u64::from(depth.unwrap_or(1)) * channels
 }
 
 fn jpeg(bytes: &[u8]) -> Result<Texture, Fault> {
@@ -133,8 +149,13 @@ fn in_threes(values: Vec<u8>) -> Result<Vec<[u8; 3]>, Fault> {
 /// Refuses sizes that no texture has, or that a file of these bytes cannot hold.
 fn check_plausible([width, height]: [usize; 2], bytes: &[u8]) -> Result<(), Fault> {
     check_size(width, height)?;
-    let pixels = width as u64 * height as u64;
-    if pixels <= bytes.len() as u64 * MOST_PIXELS_A_BYTE {
+    // Eight pixels of one bit in a byte; JPEG files hold fewer.
+    check_held([width, height], width as u64 * height as u64 / 8, bytes)
+}
+
+/// Refuses a picture that takes so many bytes before they are compressed, more than a file can hold.
+fn check_held([width, height]: [usize; 2], plain: u64, bytes: &[u8]) -> Result<(), Fault> {
+    if plain <= bytes.len() as u64 * DEFLATE {
         return Ok(());
     }
     let what = format!(
@@ -159,7 +180,7 @@ fn fault(error: RenderError) -> Fault {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ::exr::prelude::{SpecificChannels, Vec2, WritableImage};
+    use crate::test_files;
     use image::{ExtendedColorType, ImageEncoder};
     use proptest::prelude::*;
 
@@ -170,18 +191,12 @@ mod tests {
         bytes
     }
 
-    fn openexr(value: f32) -> Vec<u8> {
-        let channels = SpecificChannels::rgb(move |_: Vec2<usize>| (value, 0.5f32, 2.0f32));
-        let mut bytes = Vec::new();
-        let image = ::exr::prelude::Image::from_channels((2, 1), channels);
-        image.write().non_parallel().to_buffered(Cursor::new(&mut bytes)).unwrap();
-        bytes
+    fn openexr(red: f32) -> Vec<u8> {
+        test_files::openexr((2, 1), |_| [red, 0.5, 2.0])
     }
 
     fn refusal(bytes: &[u8]) -> String {
-        let error = decode(bytes).unwrap_err().of(Path::new("bark.png"));
-        assert_eq!(error.exit_code(), 65);
-        error.to_string()
+        test_files::refusal(decode(bytes).map_err(|fault| fault.of(Path::new("bark.png"))))
     }
 
     #[test]

@@ -230,10 +230,23 @@ pub struct ObjectDescription {
     pub shape: ObjectShape,
     /// What it is made of.
     pub surface: Surface,
-    /// Whether camera rays that meet it first find nothing there: black, of alpha 0.
-    pub is_holdout: bool,
+    /// What the camera sees of it directly.
+    pub direct_view: DirectView,
     /// Own space to world: scale, then rotate, then translate.
     pub transform: DAffine3,
+}
+
+/// What the camera sees where its ray meets an object first. To all other light the object is as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DirectView {
+    /// The object.
+    #[default]
+    Seen,
+    /// Nothing: black, of alpha 0.
+    Holdout,
+    /// The plate behind the picture, with the shadows and the light of snow and objects upon it
+    /// ([`snowgrain_film::shadow_catcher`]).
+    ShadowCatcher,
 }
 
 /// The closed set of object shapes.

@@ -17,11 +17,6 @@ pub enum RenderError {
         /// Why.
         source: GrainsError,
     },
-    /// Light would have to be looked for at grains of which no closed form is known.
-    #[error(
-        "light cannot be looked for among grains of other shapes than spheres: find it exactly"
-    )]
-    ShapesSearched,
     /// A layer of the laboratory cannot be made of grains.
     #[error("{0}")]
     Layer(#[from] GrainsError),

@@ -4,6 +4,7 @@
 
 mod bodies;
 pub mod camera;
+mod catchers;
 pub mod description;
 mod error;
 mod estimate;
@@ -23,10 +24,11 @@ pub mod world;
 pub use error::RenderError;
 pub use estimate::CostEstimate;
 pub use render::{
-    PILOT_SAMPLES, Pilot, RenderControl, RenderSettings, Rendered, Rendering, block_counts, render,
-    render_blocks_with, render_with,
+    PILOT_SAMPLES, Pilot, RenderControl, RenderSettings, Rendered, Rendering, block_counts,
+    empty_film, render, render_blocks_with, render_with,
 };
 pub use scene::{BuildReport, BuildStage, Scene, deposit, deposit_at, surfaces_of};
+pub use scene_hash::recipe;
 pub use snowgrain_accel::{STRATA, SimdLevel};
 pub use statistics::Statistics;
 pub use strata::Strata;

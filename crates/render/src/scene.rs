@@ -2,15 +2,16 @@
 
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
+use crate::catchers;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
-use crate::scene_hash::{GrainDigest, hash_scene};
+use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
-use snowgrain_geometry::{Quantisation, teapot::teapot};
+use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
@@ -80,10 +81,14 @@ pub struct Scene {
     pub strata_colours: Vec<StrataColour>,
     /// How light is looked for; `None` where it is only met.
     pub search: Option<LightSearch>,
+    /// The shadow catchers and the lights alone, where there are shadow catchers.
+    pub catchers_alone: Option<Box<Self>>,
     /// Size and sampling of the picture.
     pub film: crate::description::FilmDescription,
     /// Digest of all content that decides the pixels but the seed and the samples.
     pub hash: [u8; 32],
+    /// Digest of what was asked for ([`crate::recipe`]).
+    pub recipe: [u8; 32],
     /// What the build made.
     pub report: BuildReport,
 }
@@ -114,9 +119,6 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
-        if description.has_shapes() && description.light_finding != LightFinding::Exact {
-            return Err(RenderError::ShapesSearched);
-        }
         let slots = slots_of(&description.lights, description.camera.backdrop);
         let light_layers = light_layers(description, &slots)?;
         let is_glints = |name: &String| name == GLINTS;
@@ -127,7 +129,7 @@ impl Scene {
         let bounds = objects.bounds();
         let lit = LitSurfaces::new(shapes_of(description), &description.lights);
         let mut report = BuildReport::default();
-        let (grid, surfaces, digest) =
+        let Packed { grid, surfaces, digest, prototypes } =
             build_grid(description, (objects, &lit, level), &mut report, stage)?;
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
@@ -152,17 +154,28 @@ impl Scene {
             LightFinding::Sampled(settings) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
-                let search = LightSearch::new(&lights, world.eta, settings.sought);
+                let search =
+                    LightSearch::new(&lights, world.eta, settings.sought).among(&prototypes, level);
                 let paths = (size, settings.calibration_paths);
                 Some(search.calibrated((&world, &camera), paths, film.seed, level))
             }
         };
+        let catchers_alone = match catchers::alone(description) {
+            None => None,
+            Some(alone) => {
+                let alone = Self::build_at(&alone, level, &mut |_| {})?;
+                let (camera, light_layers) = (camera.clone(), None);
+                Some(Box::new(Self { camera, light_layers, glint_layer: None, ..alone }))
+            }
+        };
         Ok(Self {
             hash: hash_scene(description, &digest),
+            recipe: recipe(description),
             world,
             camera,
             lights,
             search,
+            catchers_alone,
             light_layers,
             glint_layer,
             colours: grade.colours(),
@@ -189,7 +202,7 @@ fn materials(description: &SceneDescription, lit: &LitSurfaces) -> Vec<Material>
     objects
         .map(|(object, place)| {
             let material = Material::new(object.surface.clone(), place, surroundings);
-            material.held_out(object.is_holdout)
+            material.seen_as(object.direct_view)
         })
         .collect()
 }
@@ -289,14 +302,22 @@ fn shapes_of(description: &SceneDescription) -> Vec<(SurfaceShape, DAffine3)> {
         .collect()
 }
 
-/// One lattice alone needs no memory; everything else is packed grain by grain. Gives the surfaces that
-/// light meets, too.
+/// Grains that are packed for light, and what else light meets.
+struct Packed {
+    grid: GrainGrid,
+    surfaces: Surfaces,
+    digest: GrainDigest,
+    /// Of the shapes of grains, where these have any.
+    prototypes: Arc<[Shape]>,
+}
+
+/// One lattice alone needs no memory; everything else is packed grain by grain.
 fn build_grid(
     description: &SceneDescription,
     (objects, lit, level): (Surfaces, &LitSurfaces, SimdLevel),
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainGrid, Surfaces, GrainDigest), RenderError> {
+) -> Result<Packed, RenderError> {
     let has_lamps = lit.shapes.len() > description.objects.len();
     if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
         && description.strata.loads.is_empty()
@@ -310,7 +331,8 @@ fn build_grid(
         if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);
             report.snowfalls.push(None);
-            return Ok((grid, with_lamps.unwrap_or(objects), digest));
+            let surfaces = with_lamps.unwrap_or(objects);
+            return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
         }
     }
     let mut known = KnownGrains::of_scene(description);
@@ -327,7 +349,9 @@ fn build_grid(
     let packing = description.packing.unwrap_or_default();
     let grid = field.pack_in_strata(&surfaces, packing, &known.strata(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
-    Ok((grid, surfaces, digest))
+    let prototypes =
+        field.shapes().map_or_else(|| Arc::new([]) as Arc<[Shape]>, |s| Arc::clone(&s.prototypes));
+    Ok(Packed { grid, surfaces, digest, prototypes })
 }
 
 /// The lattice without memory, where it is whole and has such a form, and no surface crosses it; as

@@ -2,8 +2,8 @@
 
 use crate::Strata;
 use crate::description::{
-    Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape, Packing,
-    Projection, Sampler, SceneDescription, Surface,
+    DirectView, Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape,
+    Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
 use crate::surface::Reflectance;
 use crate::transport::seek::Sought;
@@ -74,6 +74,29 @@ impl GrainDigest {
     }
 }
 
+/// Digest of what is asked for: the description of a scene and its seed, but neither samples nor crop, and the
+/// version of this program. Known before anything is made, it tells whether a film is of the same render.
+#[must_use]
+pub fn recipe(scene: &SceneDescription) -> [u8; 32] {
+    let mut hash = Hash(blake3::Hasher::new());
+    hash.tag(env!("CARGO_PKG_VERSION"));
+    hash.0.update(&scene.film.seed.to_le_bytes());
+    let (packing, film) = (scene.packing, &scene.film);
+    hash.tag(&format!("{packing:?} {} {}", film.keep_ice_paths, film.keep_light_groups));
+    for snow in &scene.snow {
+        match snow {
+            SnowDescription::Grains(field) => {
+                let digest = GrainDigest::new(field.quantisation, Packing::Fast, field);
+                hash.0.update(&digest.0);
+            }
+            // What Debug writes of a number reads back as that number.
+            made => hash.tag(&format!("{made:?}")),
+        }
+    }
+    hash.tag(&format!("{:?}", scene.shapes));
+    hash_scene(scene, &GrainDigest(*hash.0.finalize().as_bytes()))
+}
+
 /// Digest of the resolved content: grains as stored, objects, camera, lights, ice and the size of
 /// the picture; not the seed, the number of samples, or names.
 #[must_use]
@@ -122,8 +145,10 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
             hash.0.update(meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| mesh_digest(mesh)));
         }
         hash_surface(&mut hash, &object.surface);
-        if object.is_holdout {
-            hash.tag("holdout");
+        match object.direct_view {
+            DirectView::Seen => {}
+            DirectView::Holdout => hash.tag("holdout"),
+            DirectView::ShadowCatcher => hash.tag("shadow catcher"),
         }
         if let (Some(_), ObjectShape::Mesh(mesh)) = (object.surface.texture(), &object.shape) {
             mesh.coordinates.as_flattened().iter().for_each(|place| hash.floats(place));

@@ -12,9 +12,9 @@ use snowgrain_optics::{
 use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
-    SnowDescription, Surface,
+    CameraDescription, DirectView, FilmDescription, IceDescription, IntegratorKind,
+    LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, Projection,
+    SceneDescription, SnowDescription, Surface,
 };
 use snowgrain_render::measure::{Incidence, SlabSettings, measure_slab};
 
@@ -38,7 +38,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         name: "ground".into(),
         shape: ObjectShape::Plane,
         surface: Surface::diffuse(albedo),
-        is_holdout: false,
+        direct_view: DirectView::Seen,
         transform: DAffine3::from_translation(DVec3::Y * -0.01 * RADIUS),
     });
     SceneDescription {
@@ -168,7 +168,7 @@ fn snowfalls(strata: Strata, everywhere: Vec<Impurity>) -> SceneDescription {
         name: "ball".into(),
         shape: ObjectShape::Sphere,
         surface: Surface::diffuse(RED),
-        is_holdout: false,
+        direct_view: DirectView::Seen,
         transform: DAffine3::from_scale(DVec3::splat(0.01)),
     });
     description.camera.from = DVec3::new(0.0, 0.06, 0.06);

@@ -12,9 +12,9 @@ use snowgrain_optics::Absorption;
 use snowgrain_render::Scene;
 use snowgrain_render::Strata;
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
-    SnowDescription, Surface,
+    CameraDescription, DirectView, FilmDescription, IceDescription, IntegratorKind,
+    LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, Projection,
+    SceneDescription, SnowDescription, Surface,
 };
 use snowgrain_render::measure::{Estimate, Incidence, SlabMeasure, SlabSettings, measure_slab};
 use snowgrain_render::surface::Reflectance;
@@ -72,7 +72,7 @@ pub(crate) fn pile(
         name: "object".into(),
         shape,
         surface: Surface::diffuse(albedo),
-        is_holdout: false,
+        direct_view: DirectView::Seen,
         transform,
     };
     let block = DAffine3::from_translation(DVec3::new(0.0, 0.15 * width, 0.0))

@@ -7,9 +7,9 @@ use snowgrain_film::{Film, PixelRect};
 use snowgrain_grains::DepositRule;
 use snowgrain_math::{DAffine3, DVec3, trig};
 use snowgrain_render::description::{
-    CameraDescription, FilmDescription, IceDescription, IntegratorKind, LightDescription,
-    LightFinding, LightKind, ObjectDescription, ObjectShape, Projection, SceneDescription,
-    SnowDescription, Surface,
+    CameraDescription, DirectView, FilmDescription, IceDescription, IntegratorKind,
+    LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, Projection,
+    SceneDescription, SnowDescription, Surface,
 };
 use snowgrain_render::light::{EnvironmentMap, direction_of};
 use snowgrain_render::measure::Estimate;
@@ -38,7 +38,7 @@ pub(crate) fn ground(lights: Vec<LightDescription>) -> SceneDescription {
             name: "ground".into(),
             shape: ObjectShape::Plane,
             surface: Surface::diffuse([ALBEDO; 3]),
-            is_holdout: false,
+            direct_view: DirectView::Seen,
             transform: DAffine3::IDENTITY,
         }],
         snow: Vec::new(),
@@ -150,7 +150,7 @@ fn an_object_shines_as_the_quad_that_is_its_lower_face() {
         name: "lamp".into(),
         shape: ObjectShape::Box,
         surface: Surface::diffuse([0.5; 3]),
-        is_holdout: false,
+        direct_view: DirectView::Seen,
         transform: place,
     });
     let expected = f64::from(ALBEDO) * 2.0 * 4.0 * corner_factor(0.6, 0.6);

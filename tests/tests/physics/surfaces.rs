@@ -1,11 +1,12 @@
-//! Metal, glass and what is cut out, under lights that are looked for and that are not.
+//! Metal, glass, what is cut out and what catches shadows, under lights that are looked for and that are not.
 
 use crate::assert_agrees;
 use crate::lights::{film, ground, mean};
+use snowgrain_film::{CaughtLight, Film, Layer, Picture};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_render::description::{
-    LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, SceneDescription,
-    SearchSettings, Sought, Surface,
+    DirectView, LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape,
+    SceneDescription, SearchSettings, Sought, Surface,
 };
 use snowgrain_render::light::direction_of;
 use snowgrain_render::surface::Reflectance;
@@ -35,7 +36,7 @@ fn ball(surface: Surface, lights: Vec<LightDescription>) -> SceneDescription {
         name: "ball".into(),
         shape: ObjectShape::Sphere,
         surface,
-        is_holdout: false,
+        direct_view: DirectView::Seen,
         transform: DAffine3::from_translation(DVec3::Y * 0.1)
             * DAffine3::from_scale(DVec3::splat(0.05)),
     });
@@ -107,10 +108,59 @@ fn what_is_held_out_is_cut_out_but_throws_its_shadow() {
         description.camera.from = DVec3::new(0.0, 0.02, 0.3);
         mean(&film(&description, 16)).mean
     };
-    description.objects[1].is_holdout = true;
+    description.objects[1].direct_view = DirectView::Holdout;
     assert_eq!(mean(&film(&description, 16)).mean, shaded, "the ground is as it was");
     description.camera.from = DVec3::Y * 0.3;
     for pixel in film(&description, 4).pixels() {
         assert_eq!((pixel.mean_radiance(), pixel.mean_alpha()), ([0.0; 3], 0.0));
+    }
+}
+
+/// What the shadow catchers of a film show, pixel by pixel.
+fn caught(film: &Film) -> Vec<CaughtLight> {
+    let sums = film.shadow_sums().expect("the film has shadow catchers");
+    let pixels = film.pixels().iter().zip(sums);
+    pixels.map(|(pixel, sums)| CaughtLight::of(sums, pixel.samples())).collect()
+}
+
+/// A ball over ground, both with lamps and in the sun, however light is found.
+#[test]
+fn a_shadow_catcher_knows_what_it_would_show_alone_to_the_last_bit() {
+    let sampled = SearchSettings::of(Sought::NotSkies);
+    let lamp = LightKind::Sphere { center: DVec3::new(0.1, 0.3, 0.0), radius: 0.05 };
+    for (light, finding) in [
+        (sun(60.0), LightFinding::Exact),
+        (sun(60.0), LightFinding::Sampled(sampled)),
+        (LightDescription::new(LightKind::Sky, [1.0, 0.5, 0.25]), LightFinding::Exact),
+        (LightDescription::new(lamp, [4.0; 3]), LightFinding::Sampled(sampled)),
+    ] {
+        let mut description = ball(Surface::diffuse([0.2, 0.5, 0.8]), vec![light]);
+        description.camera.from = DVec3::new(0.0, 0.4, 0.3);
+        description.light_finding = finding;
+        let seen = film(&description, 16);
+        description.objects[0].direct_view = DirectView::ShadowCatcher;
+        let catching = film(&description, 16);
+        description.objects[1].direct_view = DirectView::Seen;
+        description.objects.truncate(1);
+        let empty = caught(&film(&description, 16));
+        description.objects[0].direct_view = DirectView::Seen;
+        let alone = film(&description, 16);
+        let picture = Picture::from_film(&catching).expect("a picture");
+        let alpha = picture.layer(Layer::A).expect("alpha");
+        let (mut shaded, mut whole) = (0, 0);
+        for (index, caught) in caught(&catching).iter().enumerate() {
+            let (with_ball, ground) =
+                (&seen.pixels()[index], alone.pixels()[index].mean_radiance());
+            assert_eq!(catching.pixels()[index].mean_radiance(), with_ball.mean_radiance());
+            assert_eq!((empty[index].lit, empty[index].unoccluded), (ground, ground));
+            assert_eq!(empty[index].over_plate(ground, 0.0), ([0.0; 3], 0.0));
+            if caught.coverage == 1.0 {
+                whole += 1;
+                assert_eq!(caught.unoccluded, ground, "{finding:?}");
+                assert_eq!(caught.lit, with_ball.mean_radiance());
+                shaded += usize::from(alpha[index] > 0.1);
+            }
+        }
+        assert!(whole > 10 && shaded > 0, "{whole} pixels of ground, {shaded} in the shadow");
     }
 }

@@ -4,7 +4,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Whether and how noise is removed.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct DenoiseArguments {
     /// Removes noise from .png and .exr files with Intel Open Image Denoise 2, which must be installed;
     /// pleasant, but a guess: never for measurements

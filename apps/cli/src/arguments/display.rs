@@ -7,7 +7,7 @@ use snowgrain_film::develop::{Curve, Development, Exposure, Gamut, Glare, WhiteB
 use snowgrain_optics::colour_temperature::KELVIN;
 
 /// How PNG files show a picture.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Display (.png files)")]
 pub(crate) struct DisplayArguments {
     /// Brightness in stops (+1 doubles it), or auto: the median of sunlit snow becomes 212 of 255

@@ -5,9 +5,12 @@ use super::{
     SceneArguments, Size,
 };
 use super::{Series, laboratory_values, values};
+use crate::failure::Failure;
 use clap::Args;
 use snowgrain_film::PixelRect;
 use snowgrain_render::View;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Renders a scene.
@@ -15,7 +18,7 @@ use std::time::Duration;
 /// SCENE is the name of a built-in scene (`snowgrain scenes` lists them), a scene file (.toml), or a
 /// mesh (.obj, .ply) or model (.gltf, .glb), for which camera, light, ground and snow are chosen; a shot
 /// (.gltf, .glb with a camera) keeps its camera and objects, and snow falls on them.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(args_override_self = true)]
 #[command(after_help = "Examples:\n  \
     snowgrain render snowy-teapot -o teapot.png\n  \
@@ -24,8 +27,11 @@ use std::time::Duration;
     snowgrain render snowy-teapot --view close -o close.png\n  \
     snowgrain render bunny.ply --up z --object-size 20cm -o bunny.png\n  \
     snowgrain render scene.toml --spp 100000 --time-limit 10m --display-server localhost:14158 -o out.exr\n  \
+    snowgrain render scene.toml --spp 100000 --resume -o out.film -o out.exr\n  \
+    snowgrain render scene.toml --samples 0..64 -o part0.film\n  \
     snowgrain render scene.toml --dry-run\n\n\
-    The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.")]
+    The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.\n\
+    A film that already holds all that is asked for ends the run at once, with exit code 0.")]
 pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
@@ -38,6 +44,21 @@ pub(crate) struct RenderArguments {
     /// Samples per pixel, instead of the scene's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) spp: Option<u32>,
+
+    /// Renders only these samples of each pixel, by index: 0..64, or 0-63 with the last; films of other
+    /// samples are added by `snowgrain merge`
+    #[arg(long, value_name = "A..B", value_parser = values::samples,
+          conflicts_with_all = ["spp", "noise_target"])]
+    pub(crate) samples: Option<Range<u64>>,
+
+    /// Goes on with the film that is there (-o FILE.film), of a run that was stopped or killed: to the same
+    /// bytes as without a break. A film of another render is refused
+    #[arg(long)]
+    pub(crate) resume: bool,
+
+    /// Saves the film (-o FILE.film) so far every so often (90s, 10m) [default: 10m]
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    pub(crate) checkpoint_every: Option<Duration>,
 
     /// Seed of the random numbers of light, instead of the scene's
     #[arg(long, value_name = "N")]
@@ -109,4 +130,46 @@ pub(crate) struct RenderArguments {
 
     #[command(flatten)]
     pub(crate) report: ReportArguments,
+}
+
+impl RenderArguments {
+    /// The same with the number of the frame in the names of its files.
+    ///
+    /// # Errors
+    /// A name that has a place for a frame, without a frame.
+    pub(crate) fn with_names_of_frame(&self) -> Result<Self, Failure> {
+        let mut arguments = self.clone();
+        for file in &mut arguments.output {
+            file.path = of_frame(&file.path, self.scene.frame)?;
+        }
+        Ok(arguments)
+    }
+}
+
+/// A path whose run of `#` in its file name is the frame, as wide as the run at least.
+fn of_frame(path: &Path, frame: Option<u32>) -> Result<PathBuf, Failure> {
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+        return Ok(path.to_path_buf());
+    };
+    let Some(start) = name.find("##") else { return Ok(path.to_path_buf()) };
+    let width = name[start..].bytes().take_while(|&byte| byte == b'#').count();
+    let Some(frame) = frame else {
+        let mend = "the name has a place for the number of a frame; give --frame";
+        return Err(Failure::usage(mend).of(&path.display().to_string()));
+    };
+    Ok(path.with_file_name(format!("{}{frame:0width$}{}", &name[..start], &name[start + width..])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_numbered_in_names_of_files() {
+        let of = |path: &str, frame| of_frame(Path::new(path), frame).map_err(|error| error.code);
+        assert_eq!(of("a/b.####.exr", Some(7)), Ok("a/b.0007.exr".into()));
+        assert_eq!(of("b##", Some(123)), Ok("b123".into()));
+        assert_eq!(of("b#.png", None), Ok("b#.png".into()));
+        assert_eq!(of("b.####.png", None), Err(2));
+    }
 }

@@ -5,6 +5,7 @@ use snowgrain_formats::scene::{Length, MeshUnits, UpAxis};
 use snowgrain_grains::{DepositRule, LatticeKind};
 use snowgrain_render::View;
 use snowgrain_render::measure::Incidence;
+use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -101,6 +102,32 @@ pub(super) fn crop(text: &str) -> Result<PixelRect, String> {
         Ok(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(PixelRect::new(x0, y0, x1, y1)),
         _ => Err(mend()),
     }
+}
+
+/// Samples by their indices: `0..64` without the last, `0-63` with it.
+pub(super) fn samples(text: &str) -> Result<Range<u64>, String> {
+    /// Indices from here on belong to pilots.
+    const LAST: u64 = 1 << 63;
+    let number = |text: &str| text.trim().parse::<u64>().ok().filter(|&number| number <= LAST);
+    let range = match (text.split_once(".."), text.split_once('-')) {
+        (Some((start, end)), _) => number(start).zip(number(end)),
+        (None, Some((start, last))) => number(start).zip(number(last).map(|last| last + 1)),
+        (None, None) => None,
+    };
+    range
+        .map(|(start, end)| start..end)
+        .filter(|range| !range.is_empty() && range.end <= LAST)
+        .ok_or_else(|| "write FIRST..END (END not included) or FIRST-LAST, as 0..64 or 0-63".into())
+}
+
+/// Frames, `1-48`.
+pub(super) fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    let frames = text.split_once('-').and_then(|(first, last)| number(first).zip(number(last)));
+    frames
+        .filter(|(first, last)| first <= last)
+        .map(|(first, last)| first..=last)
+        .ok_or_else(|| "write FIRST-LAST, as 1-48".into())
 }
 
 /// A finite number.
@@ -290,6 +317,11 @@ mod tests {
         assert_eq!(crop("1,2,3,4"), Ok(PixelRect::new(1, 2, 3, 4)));
         for bad in ["1,2,3", "3,2,1,4", "1,2,3,4,5", "a,2,3,4", "1,2,1,4"] {
             assert!(crop(bad).is_err(), "{bad}");
+        }
+        assert_eq!((samples("0..64"), samples("16-31")), (Ok(0..64), Ok(16..32)));
+        for bad in ["64", "4..4", "5..4", "-3", "1..2..3", "0..99999999999999999999", "5-4", "a..b"]
+        {
+            assert!(samples(bad).is_err(), "{bad}");
         }
         let file: PictureFile = "a.b/c.EXR".parse().unwrap();
         assert_eq!(file.format, PictureFormat::Exr);

@@ -4,7 +4,9 @@ mod compare;
 mod denoise;
 mod deposit;
 mod develop;
+mod job;
 mod measure;
+mod merge;
 mod optics;
 mod pictures;
 mod render;
@@ -20,6 +22,8 @@ pub(crate) fn run(command: &Command) -> Result<u8, Failure> {
         Command::Render(arguments) => render::run(arguments),
         Command::Deposit(arguments) => deposit::run(arguments),
         Command::Develop(arguments) => develop::run(arguments),
+        Command::Job(arguments) => job::run(arguments),
+        Command::Merge(arguments) => merge::run(arguments),
         Command::Scenes(arguments) => scenes::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),

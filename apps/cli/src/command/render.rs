@@ -1,35 +1,40 @@
 //! `snowgrain render`.
 
+mod checkpoints;
+mod earlier;
 mod noise;
+mod task;
 
 use super::denoise::{denoised, denoiser};
 use super::pictures::Pictures;
-use crate::arguments::{PictureFormat, RenderArguments};
+use crate::arguments::{PictureFile, PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
+use crate::disk;
 use crate::failure::Failure;
 use crate::load::{self, LoadedScene};
 use crate::output;
-use crate::process::{Spent, Stopwatch};
+use crate::process::Stopwatch;
 use crate::progress::Progress;
 use crate::signals::Interrupts;
-use crate::summary::{BuildTimes, Run, grouped};
+use crate::summary::{BuildTimes, grouped};
 use crate::threads::{pool, threads};
 use crate::viewer::Viewer;
+use checkpoints::Checkpoints;
+use earlier::{Request, film_path};
 use noise::Plan;
 use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
 use snowgrain_denoise::Denoiser;
-use snowgrain_film::{BlockCounts, Picture, PixelRect, spectral_layers};
+use snowgrain_film::{Film, PixelRect};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::{Packing, SceneDescription};
-use snowgrain_render::{
-    BuildStage, CostEstimate, RenderControl, RenderSettings, Rendered, Scene, render_blocks_with,
-};
-use std::sync::atomic::{AtomicU64, Ordering};
+use snowgrain_render::{BuildStage, CostEstimate, RenderSettings, Scene};
 use std::time::Instant;
+use task::{Task, picture_of};
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let started = Instant::now();
+    let arguments = &arguments.with_names_of_frame()?;
     refuse_options_without_file(arguments)?;
     let mut pictures = Pictures::new(&arguments.output, &arguments.display)?;
     if let Some(path) = &arguments.report.json_stats {
@@ -38,6 +43,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         }
         atomic::check_writable_target(path)?;
     }
+    let checkpoints = Checkpoints::new(arguments)?;
     let denoiser = denoiser(&arguments.denoise, &arguments.output, threads(&arguments.machine))?;
     let progress = Progress::new(arguments.report.quiet, arguments.report.verbose);
     let interrupts = Interrupts::watch();
@@ -51,7 +57,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         );
     }
     let description = &loaded.description;
-    let cost = CostEstimate::of(description, crop);
+    let mut cost = CostEstimate::of(description, crop);
+    if film_path(arguments).is_some() {
+        // A checkpoint, and what is resumed.
+        cost.add_films(if arguments.resume { 2 } else { 1 });
+    }
     let budget = Budget::of_this_machine(arguments.machine.max_memory);
     let fits = budget.map_or(Ok(()), |budget| budget.check(&cost));
     if arguments.dry_run {
@@ -59,19 +69,28 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         return fits.map(|()| 0);
     }
     fits.map_err(|failure| failure.of(&loaded.name))?;
+    disk::check(&arguments.output, &cost, crop)?;
     progress.detail(&format!(
         "about {} grains, {} of memory",
         grouped(cost.grains),
         readable_bytes(cost.peak_bytes())
     ));
+    let samples = arguments.samples.clone();
+    let samples = samples.unwrap_or(0..u64::from(description.film.samples_per_pixel));
+    let request = Request::new(arguments, description, crop, samples.clone());
+    let earlier = request.earlier_film(arguments)?;
+    if let Some(film) = earlier.as_ref().filter(|film| request.is_finished(film)) {
+        progress.note("the film is finished already; nothing is traced");
+        write_again(film, arguments, &pictures, denoiser.as_ref())?;
+        return Ok(0);
+    }
     let pool = pool(&arguments.machine)?;
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
     let (scene, times) = build(&loaded, &pool, level, &progress)?;
     let packing = description.packing.unwrap_or_default();
     refuse_camera_in_ice(&scene, &loaded)?;
-    let settings =
-        RenderSettings { samples: 0..u64::from(scene.film.samples_per_pixel), crop, level };
+    let settings = RenderSettings { samples, crop, level };
     if let Some(address) = &arguments.display_server {
         pictures.show_in(Viewer::at(address, loaded.name.clone()));
     }
@@ -80,8 +99,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
         None => None,
     };
     let (scene, pool) = (&scene, &pool);
-    let task = Task { arguments, scene, packing, settings, plan, denoiser, pool, started };
-    let (rendered, spent) = task.render(&pictures, &interrupts, &progress)?;
+    let task =
+        Task { arguments, scene, packing, settings, plan, denoiser, checkpoints, pool, started };
+    let (rendered, spent) = task.render(earlier, &pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
 }
@@ -239,140 +259,20 @@ fn refuse_camera_in_ice(scene: &Scene, loaded: &LoadedScene) -> Result<(), Failu
     Err(Failure::bad_input(message).of(&loaded.name))
 }
 
-/// What a render leaves.
-struct Outcome {
-    rendered: Rendered,
-    /// A coarse picture, where the render was stopped before every pixel had a sample.
-    preview: Option<Picture>,
-}
-
-/// A picture to be rendered.
-struct Task<'a> {
-    arguments: &'a RenderArguments,
-    scene: &'a Scene,
-    packing: Packing,
-    settings: RenderSettings,
-    /// How many samples each block is to have, where blocks differ.
-    plan: Option<Plan>,
-    denoiser: Option<Denoiser>,
-    pool: &'a ThreadPool,
-    started: Instant,
-}
-
-impl Task<'_> {
-    /// Most samples that a pixel is to have.
-    fn wanted(&self) -> u64 {
-        let counts = self.plan.as_ref().map(Plan::counts);
-        counts.map_or(self.settings.samples.end, |counts| counts.greatest().into())
+/// Writes the files of a finished film that are not the film.
+fn write_again(
+    film: &Film,
+    arguments: &RenderArguments,
+    pictures: &Pictures,
+    denoiser: Option<&Denoiser>,
+) -> Result<(), Failure> {
+    let is_there = |file: &PictureFile| film_path(arguments) == Some(file.path.as_path());
+    if arguments.output.iter().all(is_there) {
+        return Ok(());
     }
-
-    /// Renders, refreshing the PNG files.
-    fn render(
-        &self,
-        pictures: &Pictures,
-        interrupts: &Interrupts,
-        progress: &Progress,
-    ) -> Result<(Outcome, Spent), Failure> {
-        let samples_done = AtomicU64::new(0);
-        let wanted = self.wanted();
-        let counts = self.plan.as_ref().map(Plan::counts);
-        let every = self.settings.crop.area().saturating_mul(wanted);
-        let total = counts.map_or(every, BlockCounts::total);
-        let (limit, started) = (self.arguments.time_limit, self.started);
-        let after_pass = |samples: u64| {
-            let over = limit.is_some_and(|limit| started.elapsed() >= limit);
-            if over && samples < wanted {
-                interrupts.stop().store(true, Ordering::SeqCst);
-            }
-        };
-        interrupts.keep_what_there_is();
-        let watch = Stopwatch::start();
-        let control = RenderControl {
-            stop: interrupts.stop(),
-            samples_done: &samples_done,
-            after_pass: &after_pass,
-        };
-        let (rendered, preview) = progress.samples(&samples_done, total, || {
-            render_blocks_with(self.scene, &self.settings, counts.cloned(), |rendering| {
-                pictures.refreshed(rendering, interrupts, progress, || {
-                    self.pool.install(|| rendering.run(&control))
-                })?;
-                if rendering.samples() > 0 { Ok(None) } else { rendering.preview() }
-            })
-        })?;
-        Ok((Outcome { rendered, preview: preview? }, watch.spent()))
+    let mut picture = picture_of(film, arguments)?;
+    if let Some(denoiser) = denoiser {
+        picture = denoised(denoiser, &picture)?;
     }
-
-    /// Writes everything, whatever of it fails, and tells what there is.
-    fn report(
-        &self,
-        pictures: &Pictures,
-        interrupts: &Interrupts,
-        progress: &Progress,
-        Outcome { rendered, preview }: &Outcome,
-        times: BuildTimes,
-        spent: Spent,
-    ) -> Result<u8, Failure> {
-        let samples = rendered.film.samples().total();
-        let mut written = Ok(());
-        let mut mean_radiance = None;
-        if samples > 0 {
-            let film = &rendered.film;
-            let mut picture = Picture::from_film(film)?;
-            if let Some(wavelengths) = &self.arguments.wavelengths {
-                picture.spectrum = spectral_layers(film, &film.grade, None, &wavelengths.0)?;
-            }
-            mean_radiance = Some(picture.mean_radiance()?);
-            if let Some(denoiser) = &self.denoiser {
-                picture = denoised(denoiser, &picture)?;
-            }
-            written = interrupts.while_writing(|| pictures.write(&rendered.film, &picture));
-            pictures.show_last(&picture, progress);
-        } else if let Some(preview) = preview {
-            written = interrupts.while_writing(|| pictures.write_preview(preview));
-            pictures.show_last(preview, progress);
-        }
-        let figures = Run {
-            report: &self.scene.report,
-            scene_hash: &self.scene.hash,
-            times,
-            render: spent,
-            statistics: &rendered.statistics,
-            samples_per_pixel: samples,
-            complete: rendered.complete,
-            noise: self.plan.as_ref().map(|plan| plan.figures(&rendered.film)),
-            mean_radiance,
-            packing: self.packing,
-            threads: self.pool.current_num_threads(),
-            simd: self.settings.level.to_string(),
-        }
-        .figures();
-        figures.lines().iter().for_each(|line| progress.note(line));
-        if let Some(path) = &self.arguments.report.json_stats {
-            let text = output::json(&figures)?;
-            written = written.and(interrupts.while_writing(|| output::write_text(path, &text)));
-        }
-        written?;
-        let wanted = self.wanted();
-        let kept = match (samples, preview) {
-            (0, None) => "before there was a picture; nothing was written".to_owned(),
-            (0, Some(_)) => "before every pixel had a sample; PNG files show a coarse picture, \
-                             nothing else was written"
-                .to_owned(),
-            _ => format!(
-                "after {samples} of {wanted} samples a pixel; the picture of these is written"
-            ),
-        };
-        match interrupts.exit_code() {
-            Some(code) => {
-                progress.note(&format!("stopped by a signal {kept}"));
-                Ok(code)
-            }
-            None if !rendered.complete => {
-                progress.note(&format!("ended by --time-limit {kept}"));
-                Ok(0)
-            }
-            None => Ok(0),
-        }
-    }
+    pictures.write(film, &picture)
 }

@@ -6,7 +6,10 @@ mod cameras;
 mod colours;
 mod develop;
 mod errors;
+#[cfg(unix)]
+mod hostile;
 mod laboratory;
+mod lasting;
 mod light_in_snow;
 mod measures;
 mod noise;

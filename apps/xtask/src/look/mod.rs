@@ -14,8 +14,8 @@ mod stage;
 mod translucency;
 
 use crate::program::Program;
-use crate::report::{Section, markdown};
-use anyhow::{Context as _, Result, ensure};
+use crate::sections::{self, Named};
+use anyhow::Result;
 use stage::Stage;
 use std::path::PathBuf;
 
@@ -50,8 +50,7 @@ pub(crate) struct Options {
     sections: Vec<String>,
 }
 
-type Make = fn(&Stage) -> Result<Section>;
-const SECTIONS: [(&str, Make); 7] = [
+const SECTIONS: [Named<Stage>; 7] = [
     ("contrast", contrast::section),
     ("bleed", bleed::section),
     ("translucency", translucency::section),
@@ -63,22 +62,10 @@ const SECTIONS: [(&str, Make); 7] = [
 
 /// Writes the report; false where a line that is judged fails.
 pub(crate) fn look(options: &Options) -> Result<bool> {
-    for name in &options.sections {
-        ensure!(SECTIONS.iter().any(|(known, _)| known == name), "there is no section {name}");
-    }
+    sections::check_names(&SECTIONS, &options.sections)?;
     let scenes = options.out.join("look");
     std::fs::create_dir_all(&scenes)?;
     let stage = Stage { program: Program::build()?, scenes, quick: options.quick };
-    let mut sections = Vec::new();
-    for (name, make) in SECTIONS {
-        if options.sections.is_empty() || options.sections.iter().any(|wanted| wanted == name) {
-            let section = make(&stage).with_context(|| name.to_owned())?;
-            println!("{name}: {}", if section.passed() { "pass" } else { "FAIL" });
-            sections.push(section);
-            // What is known so far is there at any time.
-            let report = markdown(TITLE, INTRODUCTION, &sections);
-            std::fs::write(options.out.join("look.md"), report)?;
-        }
-    }
-    Ok(sections.iter().all(Section::passed))
+    let file = options.out.join("look.md");
+    sections::write(&SECTIONS, &options.sections, &stage, (&file, TITLE, INTRODUCTION))
 }

@@ -17,9 +17,10 @@ mod theory;
 mod wet;
 
 use crate::program::Program;
-use crate::report::{Section, markdown};
+use crate::report::Section;
+use crate::sections::{self, Named};
 use crate::table::{Row, Table};
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use std::path::{Path, PathBuf};
 
 /// Above the table of all comparisons.
@@ -62,8 +63,7 @@ pub(crate) struct Bench {
     quick: bool,
 }
 
-type Make = fn(&Bench) -> Result<Section>;
-const SECTIONS: [(&str, Make); 15] = [
+const SECTIONS: [Named<Bench>; 15] = [
     ("grain", grain::section),
     ("identities", identities::section),
     ("packing", packing::section),
@@ -83,25 +83,13 @@ const SECTIONS: [(&str, Make); 15] = [
 
 /// Writes the report; false where a line fails.
 pub(crate) fn validate(options: &Options) -> Result<bool> {
-    for name in &options.sections {
-        ensure!(SECTIONS.iter().any(|(known, _)| known == name), "there is no section {name}");
-    }
+    sections::check_names(&SECTIONS, &options.sections)?;
     let figures = options.out.join("validation");
     std::fs::create_dir_all(&figures)?;
     let (data, quick) = (options.data.clone(), options.quick);
     let bench = Bench { program: Program::build()?, data, figures, quick };
-    let mut sections = Vec::new();
-    for (name, make) in SECTIONS {
-        if options.sections.is_empty() || options.sections.iter().any(|wanted| wanted == name) {
-            let section = make(&bench).with_context(|| name.to_owned())?;
-            println!("{name}: {}", if section.passed() { "pass" } else { "FAIL" });
-            sections.push(section);
-            // What is known so far is there at any time.
-            let report = markdown("Validation", INTRODUCTION, &sections);
-            std::fs::write(options.out.join("VALIDATION.md"), report)?;
-        }
-    }
-    Ok(sections.iter().all(Section::passed))
+    let file = options.out.join("VALIDATION.md");
+    sections::write(&SECTIONS, &options.sections, &bench, (&file, "Validation", INTRODUCTION))
 }
 
 impl Bench {

@@ -7,6 +7,7 @@
 
 mod blocks;
 mod crystal;
+mod probe;
 pub(crate) mod random;
 mod shapes;
 mod sphere;
@@ -15,9 +16,9 @@ mod visit;
 
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
-pub use blocks::{Probe, ProbeAnswer, Probes};
+pub use probe::{Passage, Probe, ProbeAnswer, Probes};
 pub use shapes::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
-pub use visit::{ArrivalFrom, GrainVisit};
+pub use visit::{ArrivalFrom, GrainVisit, ShapedArrival};
 
 use blocks::BlockFlight;
 use crystal::CrystalFlight;
@@ -201,15 +202,20 @@ impl<'a> Flight<'a> {
     /// they are to be taken before its events are answered.
     ///
     /// # Panics
-    /// In a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`]; among
-    /// grains of other shapes than spheres, at which no light can be looked for.
+    /// In a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`].
     pub fn note_visits(&mut self) {
-        self.blocks().note_visits();
+        match &mut self.engine {
+            Engine::Shapes(flight) => flight.note_visits(),
+            Engine::Blocks(_) | Engine::Crystal(_) => self.blocks().note_visits(),
+        }
     }
 
     /// Moves the arrivals since the last call to `visits`, in the order of each path.
     pub fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
-        self.blocks().take_visits(visits);
+        match &mut self.engine {
+            Engine::Shapes(flight) => flight.take_visits(visits),
+            Engine::Blocks(_) | Engine::Crystal(_) => self.blocks().take_visits(visits),
+        }
     }
 
     /// Whether the path of `lane`, which stands at a surface, is in ice.

@@ -6,9 +6,9 @@ use snowgrain_film::light_layers::MOST_LAYERS;
 use snowgrain_film::{Film, FilmIdentity, IcePathLayout, IcePaths, PixelRect, PixelSums};
 use std::io::{self, Read, Write};
 
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Bytes of the head.
-const BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 8 + 4 + 4 + 4 + 4;
+const BYTES: u64 = 8 + 4 + 6 * 4 + 32 + 8 + 4 + 4 + 4 + 8 + 4 + 4 + 4 + 4 + 4 + 32;
 /// Spectra of lights are few.
 const MOST_LIGHTS: u32 = 64;
 const RANGE_BYTES: u64 = 16;
@@ -18,6 +18,8 @@ const COUNT_BYTES: u64 = 4;
 const HASH_BYTES: u64 = 32;
 /// Bytes of the sums of a layer of light in one pixel.
 const LAYER_BYTES: u64 = 48;
+/// Bytes of what shadow catchers show in one pixel.
+const SHADOW_BYTES: u64 = 112;
 
 /// The head of a film file.
 pub(super) struct Header {
@@ -33,6 +35,8 @@ pub(super) struct Header {
     pub(super) layers_bytes: u32,
     /// Blocks that have counts of samples.
     pub(super) block_counts: u32,
+    pub(super) shadow_catcher: bool,
+    pub(super) recipe: Option<[u8; 32]>,
 }
 
 impl Header {
@@ -51,6 +55,8 @@ impl Header {
             grade_bytes: length(grade.len())?,
             layers_bytes: length(layers.len())?,
             block_counts: length(film.block_counts().map_or(0, |counts| counts.counts().len()))?,
+            shadow_catcher: film.kept().shadow_catcher,
+            recipe: film.recipe,
         })
     }
 
@@ -68,8 +74,10 @@ impl Header {
         writer.write_all(&scale.to_le_bytes())?;
         writer.write_all(&self.vertical_fov_degrees.unwrap_or(0.0).to_le_bytes())?;
         let Self { light_layers, grade_bytes, layers_bytes, block_counts, .. } = *self;
-        let lengths = [light_layers, grade_bytes, layers_bytes, block_counts];
-        lengths.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+        let shadows = u32::from(self.shadow_catcher);
+        let lengths = [light_layers, grade_bytes, layers_bytes, block_counts, shadows];
+        lengths.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))?;
+        writer.write_all(&self.recipe.unwrap_or_default())
     }
 
     /// Reads it and compares what it claims with the length of the file, before memory is taken.
@@ -107,6 +115,8 @@ impl Header {
             grade_bytes: number()?,
             layers_bytes: number()?,
             block_counts: number()?,
+            shadow_catcher: number()? != 0,
+            recipe: Some(array(reader)?).filter(|recipe| *recipe != [0; 32]),
         };
         header.check_length(length)?;
         Ok(header)
@@ -121,7 +131,8 @@ impl Header {
         let fixed = BYTES + texts + u64::from(self.ranges) * RANGE_BYTES + counts + HASH_BYTES;
         let pixel_bytes = PixelSums::BYTES as u64
             + self.ice_paths.map_or(0, IcePathLayout::bytes)
-            + u64::from(self.light_layers) * LAYER_BYTES;
+            + u64::from(self.light_layers) * LAYER_BYTES
+            + u64::from(self.shadow_catcher) * SHADOW_BYTES;
         let area = self.crop.area();
         let expected = u128::from(fixed) + u128::from(area) * u128::from(pixel_bytes);
         if expected == u128::from(length) {

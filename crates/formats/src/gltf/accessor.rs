@@ -2,6 +2,7 @@
 
 use super::container::Container;
 use super::document::{Accessor, MEND, named};
+use super::texture_transform::TextureTransform;
 use crate::error::{Fault, room};
 use snowgrain_math::DVec3;
 
@@ -130,14 +131,19 @@ pub(super) fn positions(
     vectors(container, index, (owner, "VEC3"), DVec3::from_array)
 }
 
-/// The places in a picture of an accessor that `owner` names, to the right and upwards; they may not be
+/// The places in a picture, moved, of an accessor that `owner` names, to the right and upwards; they may not be
 /// finite.
 pub(super) fn places(
     container: &Container,
     index: usize,
+    transform: &TextureTransform,
     owner: &str,
 ) -> Result<Vec<[f32; 2]>, Fault> {
-    vectors(container, index, (owner, "VEC2"), |[u, v]| [u as f32, (1.0 - v) as f32])
+    let place = |coordinates| {
+        let [u, v] = transform.apply(coordinates);
+        [u as f32, (1.0 - v) as f32]
+    };
+    vectors(container, index, (owner, "VEC2"), place)
 }
 
 /// The vectors of N numbers of an accessor of this type.

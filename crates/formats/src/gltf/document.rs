@@ -3,6 +3,7 @@
 //! Names are those of the specification (Khronos Group, glTF 2.0, section 5). Indices are looked up by
 //! [`named`], which refuses those that name nothing.
 
+use super::texture_transform::TextureTransform;
 use crate::error::Fault;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -258,8 +259,8 @@ pub(super) struct TextureInfo {
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct TextureExtensions {
-    #[serde(rename = "KHR_texture_transform")]
-    pub(super) transform: Option<IgnoredAny>,
+    #[serde(rename = "KHR_texture_transform", default)]
+    pub(super) transform: TextureTransform,
 }
 
 #[derive(Debug, Deserialize)]

@@ -12,8 +12,6 @@ pub(super) struct Ignored {
     pub(super) primitives: usize,
     /// Textures without coordinates on their mesh.
     pub(super) unplaced_textures: usize,
-    /// Textures that an extension moves.
-    pub(super) moved_textures: usize,
     /// Textures whose image is in a format that is not read.
     pub(super) unread_textures: usize,
     /// Materials that are smoother than matt, but no metal.
@@ -43,7 +41,6 @@ impl Ignored {
                 self.unplaced_textures,
                 "textures of meshes without coordinates (their mean is taken)",
             ),
-            (self.moved_textures, "moved textures (taken where they are)"),
             (self.unread_textures, "textures in formats that are not read (half is taken)"),
             (self.glossy, "glossy materials that are no metal (taken as matt)"),
             (self.normal_maps, "normal maps"),

@@ -14,6 +14,7 @@ mod primitive;
 mod reader;
 #[cfg(test)]
 mod tests;
+mod texture_transform;
 mod uri;
 
 use crate::error::{Fault, FormatsError, room};

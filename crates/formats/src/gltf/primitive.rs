@@ -2,6 +2,7 @@
 
 use super::container::Container;
 use super::document::{MEND, Primitive};
+use super::texture_transform::TextureTransform;
 use super::{accessor, document};
 use crate::error::{Fault, room};
 use snowgrain_geometry::{GeometryError, TriangleMesh};
@@ -14,12 +15,19 @@ enum Mode {
     Fan,
 }
 
+/// Texture coordinates: an accessor, and what is done to them.
+#[derive(Clone, Copy)]
+pub(super) struct Coordinates {
+    pub(super) accessor: usize,
+    pub(super) transform: TextureTransform,
+}
+
 /// The primitive's mesh in its own space, metres; `None` for points and lines, and where no triangle
-/// has an area, with the coordinates of this accessor. `owner` is how messages call it.
+/// has an area, with these texture coordinates. `owner` is how messages call it.
 pub(super) fn mesh(
     container: &Container,
     primitive: &Primitive,
-    coordinates: Option<usize>,
+    coordinates: Option<Coordinates>,
     owner: &str,
 ) -> Result<Option<TriangleMesh>, Fault> {
     let mode = match primitive.mode {
@@ -48,8 +56,9 @@ pub(super) fn mesh(
     // Triangles of vertices that are not there are refused with the mesh.
     let in_range = |t: &[u32; 3]| t.iter().all(|&vertex| (vertex as usize) < vertices);
     let mut of_corners = Vec::new();
-    if let Some(index) = coordinates.filter(|_| triangles.iter().all(in_range)) {
-        let places = accessor::places(container, index, owner)?;
+    if let Some(coordinates) = coordinates.filter(|_| triangles.iter().all(in_range)) {
+        let Coordinates { accessor, transform } = coordinates;
+        let places = accessor::places(container, accessor, &transform, owner)?;
         if places.len() != vertices {
             let what = format!("{owner} has {} TEXCOORD of {vertices} vertices", places.len());
             return Err(Fault::whole(what, MEND));

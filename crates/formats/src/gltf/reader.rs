@@ -4,6 +4,7 @@ use super::container::Container;
 use super::document::{LightKind, MEND, Material, Primitive, named};
 use super::graph::{self, Placed};
 use super::ignored::Ignored;
+use super::primitive::Coordinates;
 use super::{
     ImportedCamera, ImportedLight, ImportedLightKind, ImportedMaterial, ImportedObject,
     ImportedProjection, ImportedScene, primitive, uri,
@@ -144,7 +145,6 @@ impl<'a> Reader<'a> {
             made.metallic *= metallic;
         }
         if let Some(info) = &pbr.base_color_texture {
-            self.ignored.moved_textures += usize::from(info.extensions.transform.is_some());
             made.texture = self.texture(info.index, &own)?;
             if made.texture.is_none() {
                 self.ignored.unread_textures += 1;
@@ -156,16 +156,22 @@ impl<'a> Reader<'a> {
         Ok(made)
     }
 
-    /// The accessor of the places of a picture on a primitive, where both are there.
-    fn coordinates(&self, primitive: &Primitive, material: &ImportedMaterial) -> Option<usize> {
+    /// The places of a picture on a primitive, where both are there.
+    fn coordinates(
+        &self,
+        primitive: &Primitive,
+        material: &ImportedMaterial,
+    ) -> Option<Coordinates> {
         material.texture.as_ref()?;
         let material = self.container.document.materials.get(primitive.material?)?;
         let info = material.pbr_metallic_roughness.base_color_texture.as_ref()?;
-        match info.tex_coord {
+        let transform = info.extensions.transform;
+        let accessor = match transform.tex_coord.unwrap_or(info.tex_coord) {
             0 => primitive.attributes.first_coordinates,
             1 => primitive.attributes.second_coordinates,
             _ => None,
-        }
+        };
+        accessor.map(|accessor| Coordinates { accessor, transform })
     }
 
     /// Where a picture has no place on a mesh: its mean colour.

@@ -1,13 +1,11 @@
 //! What a glTF document names beside itself: data in the name, or a file of its own folder.
-//!
-//! A shot that comes from elsewhere must not read other files of this machine, so whatever leaves its
-//! folder is refused, be it by the name or by a link.
 
 use crate::error::Fault;
+use crate::folder::{self, Stray};
 use crate::input;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// Longest part of a name that a message quotes, in characters.
 const LONGEST_QUOTE: usize = 60;
@@ -35,33 +33,14 @@ fn decode(data: &str, owner: &str) -> Result<Vec<u8>, Fault> {
 
 /// The file of `folder` that `uri` names.
 fn inside(uri: &str, owner: &str, folder: &Path) -> Result<PathBuf, Fault> {
-    let refuse = |why: &str| {
+    let name = percent_decoded(uri).ok_or(Stray::NoName);
+    name.and_then(|name| folder::inside(folder, &name)).map_err(|stray| {
         let quoted: String = uri.chars().take(LONGEST_QUOTE).collect();
         Fault::whole(
-            format!("{owner} names {quoted:?}, {why}"),
+            format!("{owner} names {quoted:?}, {}", stray.clause()),
             "a glTF document may only name files of its own folder: put the file there",
         )
-    };
-    let name = percent_decoded(uri).ok_or_else(|| refuse("which is not a name"))?;
-    if name.is_empty() || name.contains('\0') {
-        return Err(refuse("which is not a name"));
-    }
-    if name.contains(':') || name.contains('\\') {
-        return Err(refuse("which is an address or a path of another system"));
-    }
-    let relative = Path::new(&name);
-    let plain = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
-    if !relative.components().all(plain) {
-        return Err(refuse("which leaves its folder"));
-    }
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let missing = |_| refuse("which is not there");
-    let home = here.canonicalize().map_err(missing)?;
-    let path = here.join(relative).canonicalize().map_err(missing)?;
-    if !path.starts_with(&home) {
-        return Err(refuse("which leaves its folder by a link"));
-    }
-    Ok(path)
+    })
 }
 
 /// The name with each `%41` replaced by the byte it stands for; `None` where it is not UTF-8 or the

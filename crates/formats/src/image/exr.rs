@@ -10,7 +10,9 @@
 //! attributes `spectralLayoutVersion` and `emissiveUnits`.
 //!
 //! The light of each group of lights is in channels `Groups.<name>.R`, `.G` and `.B`, that of glints in
-//! `Glints.R`, `.G` and `.B`; together they add up to R, G and B.
+//! `Glints.R`, `.G` and `.B`; together they add up to R, G and B where no shadow catcher is seen. What shadow
+//! catchers show is in `ShadowCatcher.lit.R` and so on, what they would show alone in
+//! `ShadowCatcher.unoccluded.R` and so on.
 
 mod channels;
 
@@ -70,7 +72,13 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
         let values = COMPONENTS.into_iter().zip(&layer.values);
         values.map(move |(component, values)| channel(&format!("{prefix}.{component}"), values))
     });
-    let channels = layers.chain(spectral).chain(light).collect();
+    let shadows = picture.shadow_layers.iter().flat_map(|layer| {
+        let values = COMPONENTS.into_iter().zip(&layer.values);
+        values.map(|(component, values)| {
+            channel(&format!("ShadowCatcher.{}.{component}", layer.name), values)
+        })
+    });
+    let channels = layers.chain(spectral).chain(light).chain(shadows).collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));

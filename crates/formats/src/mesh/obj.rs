@@ -1,7 +1,7 @@
 //! Wavefront OBJ.
 
 use super::mesh;
-use crate::error::{Fault, Place, room};
+use crate::error::{Fault, Place, abridged, room};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::DVec3;
 
@@ -127,7 +127,10 @@ impl Scan {
             };
             match word.parse::<f64>() {
                 Ok(x) if x.is_finite() => {}
-                _ => return fault(format!("the coordinate {word:?} is not a finite number")),
+                _ => {
+                    let word = abridged(word);
+                    return fault(format!("the coordinate {word:?} is not a finite number"));
+                }
             }
         }
         self.vertices += 1;
@@ -150,7 +153,9 @@ impl Scan {
                         "the face names vertex {vertex}, but there are {there} vertices before it"
                     ));
                 }
-                Err(_) => return fault(format!("{word:?} does not name a vertex")),
+                Err(_) => {
+                    return fault(format!("{:?} does not name a vertex", abridged(word)));
+                }
             };
             corners += 1;
             if vertex > self.farthest.0 {

@@ -1,6 +1,6 @@
 //! The header of a PLY file.
 
-use crate::error::{Fault, Place};
+use crate::error::{Fault, Place, abridged};
 use std::io::{BufRead, Read};
 
 /// Longest header that is read, bytes.
@@ -238,9 +238,4 @@ fn encoding_from_name(name: &str, here: Place) -> Result<Encoding, Fault> {
         "binary_big_endian" => Ok(Encoding::BigEndian),
         _ => Err(Fault::new(here, format!("{:?} is not a format of PLY", abridged(name)), MEND)),
     }
-}
-
-/// Text from a file, short enough for a message.
-fn abridged(text: &str) -> String {
-    text.trim().chars().take(40).collect()
 }

@@ -3,11 +3,13 @@
 //! The doc comments here are the manual of the format: the JSON Schema and the error messages quote
 //! them. [`super::resolve`] says what a document means.
 
+mod animate;
 mod camera;
 mod light;
 mod material;
 mod shapes;
 
+pub use animate::{AnimateTable, AnimatedValue, BetweenName};
 pub use camera::{CameraKind, CameraTable, ImportTable};
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
@@ -49,6 +51,9 @@ pub struct SceneDocument {
     /// How light is traced.
     #[serde(default)]
     pub integrator: IntegratorTable,
+    /// Keys that change from frame to frame; without --frame the scene is as it is written.
+    #[serde(default)]
+    pub animate: Vec<AnimateTable>,
 }
 
 /// Size and sampling of the picture.
@@ -217,6 +222,11 @@ pub struct ObjectTable {
     /// mirrored and carries snow as ever; default false.
     #[serde(default)]
     pub holdout: bool,
+    /// Whether it stands for a surface of another picture: where the camera sees it directly, the picture
+    /// holds only the shadow and the light that snow and objects throw upon it, to be put over that
+    /// picture; default false.
+    #[serde(default)]
+    pub shadow_catcher: bool,
     /// Radiance that it sends out on both sides, as a lamp: one number or [r, g, b], at least 0; it is black
     /// then and takes no material; not for a plane; default none.
     #[serde(default)]
@@ -426,7 +436,7 @@ pub struct IntegratorTable {
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
     /// (suns, lamps and maps are looked for at every grain and surface: far less noise, within 1 to
     /// 2 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
-    /// sampled, but for grains of other shapes than spheres, where it is exact); default "auto".
+    /// sampled); default "auto".
     pub light: LightFindingName,
     /// Paths by which is measured, before the picture, what light that is looked for differs by from light
     /// that is met: an error of 300 % over its square root is left in the light of a sun. Default

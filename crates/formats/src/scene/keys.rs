@@ -4,6 +4,7 @@
 use super::document::SceneDocument;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
+use std::sync::LazyLock;
 
 /// What may stand at a key.
 #[derive(Clone, Debug)]
@@ -26,10 +27,13 @@ pub(super) struct Key {
     pub(super) shape: KeyShape,
 }
 
-/// The keys at the top of a scene file.
-pub(super) fn scene_keys() -> Vec<Key> {
-    let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
-    table_keys(settings.into_generator().into_root_schema_for::<SceneDocument>().as_value())
+/// The keys at the top of a scene file; made once, as that takes longer than to read a scene.
+pub(super) fn scene_keys() -> &'static [Key] {
+    static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
+        let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
+        table_keys(settings.into_generator().into_root_schema_for::<SceneDocument>().as_value())
+    });
+    &KEYS
 }
 
 fn table_keys(schema: &Value) -> Vec<Key> {
@@ -138,18 +142,18 @@ mod tests {
                 }
             }
         }
-        check(&scene_keys());
+        check(scene_keys());
     }
 
     #[test]
     fn tables_lists_and_leaves_are_told_apart() {
         let keys = scene_keys();
-        assert!(matches!(find(&keys, "film").unwrap().shape, KeyShape::Table(_)));
-        assert!(matches!(find(&keys, "snow").unwrap().shape, KeyShape::List(_)));
-        assert!(matches!(find(&keys, "version").unwrap().shape, KeyShape::Leaf));
-        assert!(matches!(find(&keys, "camera").unwrap().shape, KeyShape::Table(_)));
-        assert!(find(&keys, "version").unwrap().required);
-        assert!(!find(&keys, "film").unwrap().required);
-        assert!(meaning(&keys, "snow.0.radius").unwrap().starts_with("Grain radius"));
+        assert!(matches!(find(keys, "film").unwrap().shape, KeyShape::Table(_)));
+        assert!(matches!(find(keys, "snow").unwrap().shape, KeyShape::List(_)));
+        assert!(matches!(find(keys, "version").unwrap().shape, KeyShape::Leaf));
+        assert!(matches!(find(keys, "camera").unwrap().shape, KeyShape::Table(_)));
+        assert!(find(keys, "version").unwrap().required);
+        assert!(!find(keys, "film").unwrap().required);
+        assert!(meaning(keys, "snow.0.radius").unwrap().starts_with("Grain radius"));
     }
 }

@@ -34,6 +34,17 @@ impl MeshUnits {
         })
     }
 
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetres => "mm",
+            Self::Centimetres => "cm",
+            Self::Metres => "m",
+            Self::Inches => "in",
+        }
+    }
+
     fn metres(self) -> f64 {
         match self {
             Self::Millimetres => 0.001,
@@ -63,6 +74,15 @@ impl UpAxis {
             "z" => Self::Z,
             _ => return None,
         })
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
     }
 
     /// Degrees about x that turn this axis up.

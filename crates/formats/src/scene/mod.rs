@@ -8,6 +8,7 @@
 //! [`builtin_scenes`] are the scenes that come with the program, [`scene_for_mesh`] makes one for a
 //! mesh that comes alone, [`scene_for_shot`] for a shot with its camera, [`schema`] is the JSON Schema of the format.
 
+mod animate;
 mod builtin;
 pub mod document;
 mod error;

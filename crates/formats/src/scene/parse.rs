@@ -102,12 +102,12 @@ fn read_document(source: &mut SceneSource) -> Result<SceneDocument, SceneError> 
     let mut table =
         DeTable::parse(text.file_text()).map_err(|error| syntax_error(source, &error))?;
     for (start, assignment) in text.overrides() {
-        overrides::apply(table.get_mut(), &known, assignment, start)?;
+        overrides::apply(table.get_mut(), known, assignment, start)?;
     }
     check_version(table.get_ref(), &text)?;
-    source.read_keys(table.get_ref(), &known)?;
+    source.read_keys(table.get_ref(), known)?;
     SceneDocument::deserialize(toml::de::Deserializer::from(table))
-        .map_err(|error| bad_value(source, &known, &error))
+        .map_err(|error| bad_value(source, known, &error))
 }
 
 fn syntax_error(source: &SceneSource, error: &toml::de::Error) -> SceneError {

@@ -21,8 +21,8 @@ use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use snowgrain_render::description::{
-    FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    Packing, Pores, Sampler, SceneDescription, SnowDescription, Surface,
+    DirectView, FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding,
+    LightKind, Packing, Pores, Sampler, SceneDescription, Surface,
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::surface::Texture;
@@ -111,9 +111,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
-    let is_shaped = shapes.iter().flatten().any(|mix| !mix.is_all_spheres())
-        || snow.iter().any(SnowDescription::has_shapes);
-    let light_finding = lights::finding(&checks, &lights, is_shaped)?;
+    let light_finding = lights::finding(&checks, &lights)?;
     Ok(SceneDescription {
         film,
         camera,
@@ -229,7 +227,7 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.surface = Surface::diffuse([1.0; 3]);
-        object.is_holdout = false;
+        object.direct_view = DirectView::Seen;
     }
     scene
 }

@@ -85,6 +85,11 @@ impl SceneSource {
         self.spans.get(key).map(|span| self.text_of(span.clone()))
     }
 
+    /// Whether the key has its value by an override.
+    pub(super) fn is_override(&self, key: &str) -> bool {
+        self.spans.get(key).is_some_and(|span| span.start > self.file_length)
+    }
+
     /// The keys written in a table, given without its trailing dot.
     pub(super) fn written_keys<'a>(&'a self, table: &'a str) -> impl Iterator<Item = &'a str> {
         self.spans

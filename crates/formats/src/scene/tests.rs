@@ -2,6 +2,7 @@
 
 mod accepted;
 mod lights;
+mod mesh_scenes;
 mod never_panics;
 mod refused;
 

@@ -29,6 +29,7 @@ pub use colour::{colour_wavelengths_nm, colours};
 pub use grains::{GrainLayer, Pack};
 pub use profile::{Flux, flux_profile};
 pub use progress::Tell;
+pub(crate) use scattering::scattered;
 pub use scattering::{Scattering, scattering};
 pub use snow::{Incidence, SnowLayer, SnowStack};
 pub use snowgrain_accel::homogeneous::MOST_LAYERS;

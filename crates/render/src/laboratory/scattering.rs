@@ -4,10 +4,12 @@ use crate::World;
 use crate::measure::{Estimate, Moments, in_tasks};
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
 use core::f64::consts::{PI, TAU};
+use core::ops::Range;
 use snowgrain_accel::{GrainGrid, Packing, ShapedGrains, SimdLevel, Surfaces};
 use snowgrain_geometry::{GrainShape, Quantisation, Shape};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame, trig};
+use snowgrain_optics::scatter::Scattered;
 
 /// What one grain does to light that meets it.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,34 +42,11 @@ pub fn scattering(
     (paths, seed): (u64, u64),
     level: SimdLevel,
 ) -> Scattering {
+    let (world, radius) = lone_grain(shape, eta);
     let reach = shape.bounding_radius();
-    let quantisation = Quantisation::for_grains(DVec3::ZERO, reach);
-    let grain = quantisation.round(DVec3::ZERO, 1.0).expect("a grain fits its own lattice");
-    let shapes = ShapedGrains {
-        prototypes: std::slice::from_ref(shape),
-        of_grains: &[GrainShape::upright(0)],
-    };
-    let surfaces = Surfaces::default();
-    let grid = GrainGrid::build_shaped(
-        quantisation,
-        (&[grain], shapes),
-        (&surfaces, &[]),
-        None,
-        Packing::Fast,
-    )
-    .expect("one grain can be packed");
-    let radius = quantisation.grain(grain).radius;
-    let world = World { grid, surfaces, materials: Vec::new(), emitters: Vec::new(), eta };
     let parts = in_tasks(paths, |first, count| {
-        let mut source = Lines {
-            reach: reach * radius,
-            seed,
-            next: first,
-            end: first + count,
-            incident: Vec::with_capacity(count as usize),
-            first,
-            sums: Sums { by_angle: vec![0; bins], ..Sums::default() },
-        };
+        let sums = Sums { by_angle: vec![0; bins], ..Sums::default() };
+        let mut source = Lines::new(reach * radius, seed, first..first + count, sums);
         trace(&world, level, &mut source);
         source.sums
     });
@@ -100,6 +79,56 @@ pub fn scattering(
     }
 }
 
+/// Light of an even field that met a grain, path by path.
+///
+/// # Panics
+/// If the machine does not have the level.
+pub(crate) fn scattered(
+    shape: &Shape,
+    eta: f64,
+    (paths, seed): (u64, u64),
+    level: SimdLevel,
+) -> Vec<Scattered> {
+    let (world, radius) = lone_grain(shape, eta);
+    let reach = shape.bounding_radius();
+    let parts = in_tasks(paths, |first, count| {
+        let samples = Samples { radius, met: Vec::new() };
+        let mut source = Lines::new(reach * radius, seed, first..first + count, samples);
+        trace(&world, level, &mut source);
+        let mut met = source.sums.met;
+        met.sort_by_key(|&(tag, _)| tag);
+        met
+    });
+    parts.into_iter().flatten().map(|(_, sample)| sample).collect()
+}
+
+/// A world that holds one grain, and the radius of that.
+fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, shape.bounding_radius());
+    let grain = quantisation.round(DVec3::ZERO, 1.0).expect("a grain fits its own lattice");
+    let shapes = ShapedGrains {
+        prototypes: std::slice::from_ref(shape),
+        of_grains: &[GrainShape::upright(0)],
+    };
+    let surfaces = Surfaces::default();
+    let grid = GrainGrid::build_shaped(
+        quantisation,
+        (&[grain], shapes),
+        (&surfaces, &[]),
+        None,
+        Packing::Fast,
+    )
+    .expect("one grain can be packed");
+    let radius = quantisation.grain(grain).radius;
+    (World { grid, surfaces, materials: Vec::new(), emitters: Vec::new(), eta }, radius)
+}
+
+/// What is kept of paths around a lone grain.
+trait Kept {
+    /// A path that came along `incident`; it has met the grain if it has visits.
+    fn add(&mut self, tag: u64, incident: DVec3, path: &PathResult);
+}
+
 #[derive(Clone, Debug, Default)]
 struct Sums {
     met: u64,
@@ -119,8 +148,55 @@ impl Sums {
     }
 }
 
+impl Kept for Sums {
+    fn add(&mut self, _: u64, incident: DVec3, path: &PathResult) {
+        self.length.add(path.ice_length);
+        let PathEnd::Escaped(ray) = path.end else { return };
+        if path.grain_visits == 0 {
+            return;
+        }
+        let cosine = ray.direction.dot(incident).clamp(-1.0, 1.0);
+        self.met += 1;
+        self.cosine.add(cosine);
+        self.events.add(f64::from(path.interface_events));
+        let bins = self.by_angle.len();
+        let bin = (trig::acos(cosine) / PI * bins as f64) as usize;
+        self.by_angle[bin.min(bins - 1)] += 1;
+    }
+}
+
+/// Light that met the grain, with the numbers of its paths.
+struct Samples {
+    radius: f64,
+    met: Vec<(u64, Scattered)>,
+}
+
+impl Kept for Samples {
+    fn add(&mut self, tag: u64, incident: DVec3, path: &PathResult) {
+        let PathEnd::Escaped(Ray { origin, direction, .. }) = path.end else { return };
+        if path.grain_visits == 0 {
+            return;
+        }
+        let cosine = direction.dot(incident).clamp(-1.0, 1.0);
+        // Where the line leaves the sphere of equal volume, or is nearest to it.
+        let middle = origin - direction * origin.dot(direction);
+        let half2 = self.radius * self.radius - middle.length_squared();
+        let place = middle + direction * half2.max(0.0).sqrt();
+        let across = (direction - incident * cosine).try_normalize();
+        let aside = across.map_or(0.0, |across| place.dot(across));
+        self.met.push((
+            tag,
+            Scattered {
+                cosine,
+                exit: trig::atan2(aside, place.dot(incident)),
+                length: path.ice_length / self.radius,
+            },
+        ));
+    }
+}
+
 /// Lines that are spread evenly over all that meet the bounding sphere.
-struct Lines {
+struct Lines<K> {
     reach: f64,
     seed: u64,
     next: u64,
@@ -128,10 +204,18 @@ struct Lines {
     /// Directions of the paths from number `first` on.
     incident: Vec<DVec3>,
     first: u64,
-    sums: Sums,
+    sums: K,
 }
 
-impl PathSource for Lines {
+impl<K> Lines<K> {
+    fn new(reach: f64, seed: u64, numbers: Range<u64>, sums: K) -> Self {
+        let Range { start: first, end } = numbers;
+        let incident = Vec::with_capacity((end - first) as usize);
+        Self { reach, seed, next: first, end, incident, first, sums }
+    }
+}
+
+impl<K: Kept> PathSource for Lines<K> {
     type Tag = u64;
 
     fn next_path(&mut self) -> Option<NewPath<u64>> {
@@ -156,18 +240,7 @@ impl PathSource for Lines {
     }
 
     fn finish(&mut self, tag: u64, path: &PathResult) {
-        let sums = &mut self.sums;
-        sums.length.add(path.ice_length);
-        let PathEnd::Escaped(ray) = path.end else { return };
-        if path.grain_visits == 0 {
-            return;
-        }
-        let cosine = ray.direction.dot(self.incident[(tag - self.first) as usize]).clamp(-1.0, 1.0);
-        sums.met += 1;
-        sums.cosine.add(cosine);
-        sums.events.add(f64::from(path.interface_events));
-        let bins = sums.by_angle.len();
-        let bin = (trig::acos(cosine) / PI * bins as f64) as usize;
-        sums.by_angle[bin.min(bins - 1)] += 1;
+        let incident = self.incident[(tag - self.first) as usize];
+        self.sums.add(tag, incident, path);
     }
 }

@@ -1,5 +1,6 @@
 //! Samples of one tile that wait to be added to it.
 
+use super::caught::Caught;
 use crate::Scene;
 use crate::statistics::Statistics;
 use crate::transport::{Contribution, PathEnd, PathResult};
@@ -19,6 +20,8 @@ pub(super) struct Batch {
     lengths: Vec<((u32, u32), f64)>,
     /// Of each of them the light of each slot, before the ice.
     weights: Vec<[f32; 3]>,
+    /// Those that met a shadow catcher first.
+    pub(super) caught: Vec<Caught>,
     /// Of the path at hand the light of each slot.
     lights: Vec<[f32; 3]>,
     /// Of the path at hand the light that was found, by layer where layers are kept.
@@ -131,6 +134,7 @@ impl Batch {
         self.layers.clear();
         self.lengths.clear();
         self.weights.clear();
+        self.caught.clear();
         self.statistics = Statistics::default();
     }
 }

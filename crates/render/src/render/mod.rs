@@ -8,8 +8,11 @@
 //! are exact, so the film is the same whatever the threads, tiles and passes were.
 
 mod batch;
+mod camera_path;
+mod caught;
 mod noise;
 mod passes;
+mod snapshot;
 mod stream;
 mod tile_sums;
 
@@ -75,6 +78,9 @@ pub struct Rendering<'a> {
     passes: Passes,
     /// As [`PixelRect::tiles`] orders them.
     tiles: Vec<SharedTile<'a>>,
+    counts: Option<BlockCounts>,
+    /// Set while a snapshot is taken: passes that become complete stay beside the film.
+    holds_settling: AtomicBool,
     /// Set with `fault`, so that all threads stop.
     failed: AtomicBool,
     fault: Mutex<Option<RenderError>>,
@@ -124,10 +130,22 @@ pub fn render_blocks_with<T>(
     counts: Option<BlockCounts>,
     work: impl FnOnce(&Rendering<'_>) -> T,
 ) -> Result<(Rendered, T), RenderError> {
+    render_to(empty_film(scene, settings.crop, counts)?, scene, settings, work)
+}
+
+/// A film of a crop of a scene's picture that keeps what the scene asks for, without samples.
+///
+/// # Errors
+/// A crop that the film refuses, counts of another crop, more pixels than memory.
+pub fn empty_film(
+    scene: &Scene,
+    crop: PixelRect,
+    counts: Option<BlockCounts>,
+) -> Result<Film, FilmError> {
     let identity = FilmIdentity { scene_hash: scene.hash, seed: scene.film.seed };
-    let crop = settings.crop;
     let mut film = Film::new(scene.film.width, scene.film.height, crop, identity)?;
     film.grade = scene.grade.clone();
+    film.recipe = Some(scene.recipe);
     film.vertical_fov_degrees = scene.camera.vertical_fov_degrees();
     if let Some(layers) = &scene.light_layers {
         film = film.keeping_light_layers(layers.clone())?;
@@ -137,10 +155,13 @@ pub fn render_blocks_with<T>(
         let greatest = scene.lights.greatest_radiance();
         film = film.keeping_ice_paths(IcePathLayout::for_radiance(lights, greatest))?;
     }
+    if scene.catchers_alone.is_some() {
+        film = film.keeping_shadow_catcher()?;
+    }
     if let Some(counts) = counts {
         film = film.with_block_counts(counts)?;
     }
-    render_to(film, scene, settings, work)
+    Ok(film)
 }
 
 /// Renders to an empty film.
@@ -170,20 +191,23 @@ fn render_to<T>(
 impl<'a> Rendering<'a> {
     fn new(scene: &'a Scene, settings: &'a RenderSettings, film: &'a mut Film) -> Self {
         let crop = settings.crop;
-        let counts = film.block_counts().map(|counts| counts.counts().to_vec());
+        let counts = film.block_counts().cloned();
         let tiles: Vec<_> = film
             .tiles_mut(TILE)
             .into_iter()
             .map(|base| SharedTile { rect: base.rect(), sums: Mutex::new(TileSums::new(base)) })
             .collect();
         let pixels = u64::from(TILE.min(crop.width())) * u64::from(TILE.min(crop.height()));
-        let end = |tile| counts.as_ref().map_or(u64::MAX, |counts| u64::from(counts[tile]));
+        let end =
+            |tile| counts.as_ref().map_or(u64::MAX, |counts| u64::from(counts.counts()[tile]));
         let ends = (0..tiles.len()).map(end);
         Self {
             scene,
             settings,
             passes: Passes::new(settings.samples.clone(), ends, pixels),
             tiles,
+            counts,
+            holds_settling: AtomicBool::new(false),
             failed: AtomicBool::new(false),
             fault: Mutex::new(None),
         }
@@ -251,6 +275,11 @@ impl<'a> Rendering<'a> {
     pub fn samples(&self) -> u64 {
         let samples = self.passes.samples();
         samples.end - samples.start
+    }
+
+    /// Passes that a thread which holds a tile may move to the film.
+    fn passes_to_settle(&self) -> u64 {
+        if self.holds_settling.load(Ordering::SeqCst) { 0 } else { self.passes.complete() }
     }
 
     /// Keeps the first fault and stops all threads.

@@ -229,6 +229,12 @@ impl Passes {
         self.complete.0.load(Ordering::Acquire)
     }
 
+    /// The same, and their samples.
+    pub(super) fn complete_with_samples(&self) -> (u64, Range<u64>) {
+        let state = self.lock();
+        (self.complete(), self.samples.start..state.complete_to)
+    }
+
     /// All samples that are wanted of some tile.
     pub(super) fn wanted(&self) -> Range<u64> {
         self.samples.clone()

@@ -5,16 +5,15 @@
 //! task until there are enough of them to lock the tile and add them all.
 
 use super::batch::Batch;
+use super::camera_path::CameraPath;
+use super::caught::{Caught, find_unoccluded};
 use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
-use crate::description::Sampler;
 use crate::transport::seek::View;
 use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource};
 use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
-use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::sobol::sobol_numbers;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -74,6 +73,7 @@ pub(super) struct Tag {
     slot: u32,
     x: u32,
     y: u32,
+    sample: u64,
     /// Place in the image, pixels, and on the lens.
     image: [f64; 2],
     lens: [f64; 2],
@@ -99,7 +99,7 @@ impl PathSource for Stream<'_, '_> {
     }
 
     fn finish_with_light(&mut self, tag: Tag, path: &PathResult, found: &[Contribution]) {
-        let Tag { slot, x, y, .. } = tag;
+        let Tag { slot, x, y, sample, .. } = tag;
         if path.end == PathEnd::Enclosed {
             self.rendering.fail(RenderError::Enclosed { x, y });
         }
@@ -108,6 +108,10 @@ impl PathSource for Stream<'_, '_> {
         task.batch.statistics.count(path);
         let radiance = task.batch.add_light(scene, (x, y), path, found);
         task.batch.samples.push(((x, y), sample_of(scene, path, radiance)));
+        if path.first_hit.is_some_and(|hit| hit.is_shadow_catcher) {
+            let (pixel, lit, unoccluded) = ((x, y), radiance, [0.0; 3]);
+            task.batch.caught.push(Caught { pixel, sample, lit, unoccluded });
+        }
         task.under_way -= 1;
         if task.batch.samples.len() == BATCH {
             self.flush_task(slot);
@@ -149,22 +153,19 @@ impl<'a, 'film> Stream<'a, 'film> {
         let Some(dealing) = &mut self.dealing else { return false };
         let scene = self.rendering.scene;
         let (slot, (x, y)) = (dealing.slot, dealing.pixel);
-        let stream = u64::from(y) * u64::from(scene.film.width) + u64::from(x);
         let first = dealing.sample;
         dealing.sample = dealing.samples.end.min(first + PREPARED);
         self.open[slot as usize].under_way += (dealing.sample - first) as u32;
         let (rendering, may_start_in_ice) = (self.rendering, self.may_start_in_ice);
         // Backwards, as they are taken from the end.
         self.ready.extend((first..dealing.sample).rev().map(|sample| {
-            let key = PathKey::new(scene.film.seed, stream, sample);
-            let Start { jitter, lens, event } = Start::of(scene, stream, sample, key);
-            let (px, py) = (f64::from(x) + jitter[0], f64::from(y) + jitter[1]);
-            let ray = scene.camera.ray(px, py, lens);
+            let path = CameraPath::of(scene, (x, y), sample);
+            let CameraPath { ray, key, event, image, lens } = path;
             // Such a path would be taken for one in air.
             if may_start_in_ice && scene.world.grid.is_inside_grain(ray.origin) {
                 rendering.fail(RenderError::CameraInIce { point: ray.origin });
             }
-            let tag = Tag { slot, x, y, image: [px, py], lens };
+            let tag = Tag { slot, x, y, sample, image, lens };
             NewPath { tag, ray, key, event }
         }));
         true
@@ -261,43 +262,21 @@ impl<'a, 'film> Stream<'a, 'film> {
         if task.batch.samples.is_empty() {
             return;
         }
-        let complete = self.rendering.passes.complete();
-        let added =
-            self.rendering.tiles[task.tile].lock().add(task.pass.index, &task.batch, complete);
+        if !task.batch.caught.is_empty() {
+            let (scene, level) = (self.rendering.scene, self.rendering.settings.level);
+            if let Err(fault) = find_unoccluded(scene, level, &mut task.batch.caught) {
+                self.rendering.fail(fault);
+            }
+        }
+        let mut tile = self.rendering.tiles[task.tile].lock();
+        let complete = self.rendering.passes_to_settle();
+        let added = tile.add(task.pass.index, &task.batch, complete);
+        drop(tile);
         if let Err(fault) = added {
             self.rendering.fail(fault.into());
         }
         task.paths += task.batch.samples.len() as u64;
         task.batch.clear();
-    }
-}
-
-/// Where a path begins.
-struct Start {
-    /// Place in its pixel, 0 to 1.
-    jitter: [f64; 2],
-    /// Place on the lens; the middle of one without size.
-    lens: [f64; 2],
-    /// Next event of its random numbers.
-    event: u32,
-}
-
-impl Start {
-    /// Of a sample of a pixel. Of independent numbers, only a lens that has a size takes an event.
-    fn of(scene: &Scene, stream: u64, sample: u64, key: PathKey) -> Self {
-        let has_lens = scene.camera.has_lens();
-        let (jitter, lens, event) = match scene.film.sampler {
-            Sampler::Independent => {
-                let [x, y, _] = numbers(key, 0);
-                let [u, v, _] = if has_lens { numbers(key, 1) } else { [0.5; 3] };
-                ([x, y], [u, v], if has_lens { 2 } else { 1 })
-            }
-            Sampler::Sobol => {
-                let [x, y, u, v] = sobol_numbers(scene.film.seed, stream, sample);
-                ([x, y], if has_lens { [u, v] } else { [0.5; 2] }, 1)
-            }
-        };
-        Self { jitter: jitter.map(f64::from), lens: lens.map(f64::from), event }
     }
 }
 
@@ -307,7 +286,7 @@ fn sample_of(scene: &Scene, path: &PathResult, radiance: [f32; 3]) -> Sample {
         None => Sample { radiance, alpha: 0.0, depth: f32::INFINITY, ..Sample::default() },
         Some(hit) => Sample {
             radiance,
-            alpha: 1.0,
+            alpha: if hit.is_shadow_catcher { 0.0 } else { 1.0 },
             albedo: hit.albedo,
             normal: hit.normal.to_array().map(|v| v as f32),
             depth: scene.camera.depth(hit.position) as f32,

@@ -4,6 +4,7 @@
 //! later ones stays apart until they are. Sums are moved together when the tile is next touched.
 
 use super::batch::Batch;
+use super::caught::Caught;
 use crate::statistics::Statistics;
 use snowgrain_film::{FilmError, FilmTile, FilmTileMut, PixelRect, PixelSums};
 
@@ -45,12 +46,16 @@ impl<'a> TileSums<'a> {
     pub(super) fn add(&mut self, pass: u64, batch: &Batch, complete: u64) -> Result<(), FilmError> {
         self.settle(complete)?;
         let mut ice_paths = batch.ice_paths();
+        let mut caught = batch.caught.iter();
         if pass == 0 {
             self.statistics.add(&batch.statistics);
             let film = &mut self.base;
             batch.samples().try_for_each(|((x, y), sample, layers)| {
                 film.add(x, y, sample)?;
                 film.add_light_layers(x, y, sample.radiance, layers)
+            })?;
+            caught.try_for_each(|&Caught { pixel: (x, y), lit, unoccluded, .. }| {
+                film.add_caught_light(x, y, lit, unoccluded)
             })?;
             return ice_paths.try_for_each(|((x, y), length, weights)| {
                 film.add_ice_path(x, y, length, weights)
@@ -62,6 +67,9 @@ impl<'a> TileSums<'a> {
         batch.samples().try_for_each(|((x, y), sample, layers)| {
             film.add(x, y, sample)?;
             film.add_light_layers(x, y, sample.radiance, layers)
+        })?;
+        caught.try_for_each(|&Caught { pixel: (x, y), lit, unoccluded, .. }| {
+            film.add_caught_light(x, y, lit, unoccluded)
         })?;
         ice_paths.try_for_each(|((x, y), length, weights)| film.add_ice_path(x, y, length, weights))
     }
@@ -91,6 +99,11 @@ impl<'a> TileSums<'a> {
             self.spare = Some(settled.film);
         }
         Ok(())
+    }
+
+    /// The sums of the passes that are settled.
+    pub(super) fn base(&self) -> &FilmTileMut<'a> {
+        &self.base
     }
 
     /// Counts of the paths that are in the film.

@@ -3,6 +3,7 @@
 use super::place::Place;
 use super::scatterer::{Kind, Scatterer};
 use super::{Reflectance, Surface, slope};
+use crate::description::DirectView;
 use snowgrain_accel::{SurfaceHit, SurfaceShape};
 use snowgrain_math::{DAffine3, DVec3};
 
@@ -14,7 +15,7 @@ pub struct Material {
     surroundings: f64,
     /// Where it matters which point of the object is met.
     place: Option<Place>,
-    is_holdout: bool,
+    direct_view: DirectView,
 }
 
 impl Material {
@@ -28,7 +29,7 @@ impl Material {
             | Surface::Conductor { reflectance: Reflectance::Texture(_), .. }
             | Surface::Dielectric { .. } => Some(Place::new(object)),
         };
-        Self { surface, surroundings, place, is_holdout: false }
+        Self { surface, surroundings, place, direct_view: DirectView::Seen }
     }
 
     /// A diffuse surface of one colour, wherever it is.
@@ -38,20 +39,20 @@ impl Material {
             surface: Surface::diffuse(albedo),
             surroundings: 1.0,
             place: None,
-            is_holdout: false,
+            direct_view: DirectView::Seen,
         }
     }
 
-    /// The same, cut out of what the camera sees directly.
+    /// The same, of which the camera sees this directly.
     #[must_use]
-    pub fn held_out(self, is_holdout: bool) -> Self {
-        Self { is_holdout, ..self }
+    pub fn seen_as(self, direct_view: DirectView) -> Self {
+        Self { direct_view, ..self }
     }
 
-    /// Whether camera rays that meet it first find nothing there.
+    /// What the camera sees of it directly.
     #[must_use]
-    pub fn is_holdout(&self) -> bool {
-        self.is_holdout
+    pub fn direct_view(&self) -> DirectView {
+        self.direct_view
     }
 
     /// What it does to a path that arrives along the unit vector `arrival` at `position` (metres) of the

@@ -64,6 +64,8 @@ pub struct FirstHit {
     pub normal: DVec3,
     /// Diffuse albedo there, or reflectance of a metal at normal incidence; 1 for ice and glass.
     pub albedo: [f32; 3],
+    /// Whether it is a shadow catcher.
+    pub is_shadow_catcher: bool,
 }
 
 /// A traced path.

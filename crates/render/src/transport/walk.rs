@@ -6,6 +6,7 @@ use super::{
     ROULETTE_THRESHOLD,
 };
 use crate::World;
+use crate::description::DirectView;
 use crate::surface::Scatterer;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{Flight, FlightEvent, GrainVisit, SimdLevel, SurfaceHit, SurfaceId};
@@ -247,8 +248,12 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 return Ok(arrival);
             }
             if is_first {
-                walker.first_hit =
-                    Some(FirstHit { position, normal: hit.normal, albedo: [0.0; 3] });
+                walker.first_hit = Some(FirstHit {
+                    position,
+                    normal: hit.normal,
+                    albedo: [0.0; 3],
+                    is_shadow_catcher: false,
+                });
             }
             return Err(if emitter.shines_towards(hit.normal) {
                 PathEnd::Emitted {
@@ -263,13 +268,15 @@ impl<Tag: Copy> Walk<'_, Tag> {
         }
         let event = self.flight.travelled(lane).event;
         let material = &self.world.materials[object];
-        if is_first && material.is_holdout() {
+        if is_first && material.direct_view() == DirectView::Holdout {
             return Err(PathEnd::Absorbed);
         }
         let scatterer = material.scatterer(hit, position, arrival.direction);
         if is_first {
             let albedo = scatterer.guide();
-            walker.first_hit = Some(FirstHit { position, normal: hit.normal, albedo });
+            let is_shadow_catcher = material.direct_view() == DirectView::ShadowCatcher;
+            walker.first_hit =
+                Some(FirstHit { position, normal: hit.normal, albedo, is_shadow_catcher });
         }
         walker.surface_bounces += 1;
         let (key, [u0, u1, u2]) = (walker.key, numbers(walker.key, event));
@@ -337,6 +344,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 position: grain.position,
                 normal: grain.normal,
                 albedo: [1.0; 3],
+                is_shadow_catcher: false,
             })
         });
         let interface_events =

@@ -4,13 +4,12 @@
 //! merely carries others (a table, a slab of ground) is left out. Where there are no objects, the snow
 //! is framed.
 
-use crate::description::{
-    CameraDescription, Focus, Lens, Projection, SceneDescription, SnowDescription,
-};
+mod close;
+
+use crate::description::{CameraDescription, Projection, SceneDescription, SnowDescription};
 use crate::estimate::{bounds_of, fallen, lattice_box};
-use crate::scene::surfaces_of;
 use snowgrain_grains::Amount;
-use snowgrain_math::{Aabb, DVec3, Ray, trig};
+use snowgrain_math::{Aabb, DVec3, trig};
 use std::collections::HashMap;
 
 /// The closed set of quick looks.
@@ -22,30 +21,13 @@ pub enum View {
     ThreeQuarter,
     /// Straight from above; north (-z) is up.
     Top,
-    /// A macro view of the snow on the highest surface, with a shallow depth of field: the picture is
-    /// 60 grains high.
+    /// A macro view of the snow where it fills the picture best, with a shallow depth of field: the picture
+    /// is 60 grains high.
     Close,
 }
 
 /// Vertical field of view of the looks at everything, degrees.
 const FOV_DEGREES: f64 = 28.0;
-
-/// Vertical field of view of a close look, degrees: a long lens.
-const CLOSE_FOV_DEGREES: f64 = 12.0;
-
-/// Mean diameters of grains that fit into the height of a close look.
-const CLOSE_GRAINS: f64 = 60.0;
-
-/// Elevation of a close look, degrees above the horizon: low, so that grains stand out against what lies
-/// behind.
-const CLOSE_ELEVATION_DEGREES: f64 = 14.0;
-
-/// Diameter of the lens of a close look, in distances to what it shows: at half a picture height before
-/// and behind the focus, points spread over 1/33 of the height.
-const CLOSE_LENS: f64 = 0.03;
-
-/// Columns and rows of the plan in which the surface of a close look is sought.
-const PROBES: u32 = 48;
 
 impl View {
     /// All of them.
@@ -70,7 +52,7 @@ impl View {
             Self::Front => framing(scene, 0.0, 10.0, DVec3::Y),
             Self::ThreeQuarter => framing(scene, 35.0, 25.0, DVec3::Y),
             Self::Top => framing(scene, 0.0, 90.0, DVec3::NEG_Z),
-            Self::Close => close(scene),
+            Self::Close => close::close(scene),
         }
     }
 }
@@ -102,65 +84,6 @@ fn framing(
         projection: Projection::pinhole(FOV_DEGREES),
         backdrop: scene.camera.backdrop,
     })
-}
-
-fn close(scene: &SceneDescription) -> Option<CameraDescription> {
-    let radius = scene.snow.iter().map(mean_radius).reduce(f64::max)?;
-    let at = highest_surface(scene)?;
-    let height = CLOSE_GRAINS * 2.0 * radius;
-    let distance = 0.5 * height / trig::tan(CLOSE_FOV_DEGREES.to_radians() * 0.5);
-    let lens = Lens {
-        diameter: CLOSE_LENS * distance,
-        focus: Focus::Surface,
-        blades: 0,
-        blade_rotation_degrees: 0.0,
-    };
-    Some(CameraDescription {
-        from: at + towards(20.0, CLOSE_ELEVATION_DEGREES) * distance,
-        at,
-        up: DVec3::Y,
-        projection: Projection::Perspective {
-            vertical_fov_degrees: CLOSE_FOV_DEGREES,
-            lens: Some(lens),
-        },
-        backdrop: scene.camera.backdrop,
-    })
-}
-
-/// Mean radius of the grains of some snow, metres.
-fn mean_radius(snow: &SnowDescription) -> f64 {
-    match snow {
-        SnowDescription::Deposit(settings) => settings.radii.mean,
-        SnowDescription::Lattice(settings) => settings.radius,
-        SnowDescription::Grains(field) => {
-            let sum: f64 = field.iter().map(|grain| grain.radius).sum();
-            if field.is_empty() { 0.0 } else { sum / field.len() as f64 }
-        }
-    }
-}
-
-/// A point where snow will lie high and near the middle of the frame: the highest surface less a
-/// quarter of the distance from the middle, and the snow on it.
-fn highest_surface(scene: &SceneDescription) -> Option<DVec3> {
-    let frame = framed(scene)?;
-    let (depth, surfaces) = (deposited_depth(scene), surfaces_of(scene));
-    let (middle, size) = (frame.center(), frame.size());
-    let mut best: Option<(f64, DVec3)> = None;
-    for probe in 0..PROBES * PROBES {
-        let of = |place: u32| (f64::from(place) + 0.5) / f64::from(PROBES);
-        let (x, z) = (of(probe % PROBES) * size.x, of(probe / PROBES) * size.z);
-        let above = DVec3::new(frame.min.x + x, frame.max.y + size.y, frame.min.z + z);
-        let down = Ray::new(above, DVec3::NEG_Y);
-        let Some(hit) = surfaces.intersect(&down, f64::INFINITY, None) else { continue };
-        let point = down.at(hit.t);
-        let from_middle = DVec3::new(point.x - middle.x, 0.0, point.z - middle.z).length();
-        let height = point.y - 0.25 * from_middle;
-        if best.is_none_or(|(highest, _)| height > highest) {
-            best = Some((height, point));
-        }
-    }
-    let top_of_frame = DVec3::new(middle.x, frame.max.y, middle.z);
-    Some(best.map_or(top_of_frame, |(_, point)| point + DVec3::Y * depth))
 }
 
 /// How deep fallen snow will lie on level ground, metres.

@@ -4,12 +4,12 @@ use super::*;
 use crate::Strata;
 use crate::camera::Camera;
 use crate::description::{
-    FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
-    ObjectDescription, ObjectShape, Surface,
+    DirectView, FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding,
+    LightKind, ObjectDescription, ObjectShape, Surface,
 };
 use crate::{Scene, transport::FirstHit};
 use snowgrain_grains::{DepositRule, DepositSettings, Radii};
-use snowgrain_math::DAffine3;
+use snowgrain_math::{DAffine3, Ray};
 
 /// A ball of 5 cm on a slab, under a centimetre of snow.
 fn scene(width: u32, height: u32) -> SceneDescription {
@@ -17,7 +17,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         name: "object".into(),
         shape,
         surface: Surface::diffuse([0.5; 3]),
-        is_holdout: false,
+        direct_view: DirectView::Seen,
         transform,
     };
     let ball = DAffine3::from_translation(DVec3::new(0.3, 0.05, 0.0))
@@ -84,7 +84,8 @@ fn a_close_look_is_focused_on_the_snow() {
     let mut scene = scene(64, 64);
     scene.camera = View::Close.camera(&scene).unwrap();
     let aim = (scene.camera.at - scene.camera.from).length();
-    assert!((scene.camera.at - DVec3::new(0.3, 0.11, 0.0)).length() < 0.004);
+    let aimed = (scene.camera.at - DVec3::new(0.3, 0.11, 0.0)).abs();
+    assert!(aimed.cmplt(DVec3::new(0.05, 0.04, 0.05)).all(), "on the ball: {aimed}");
     let built = Scene::build(&scene, &mut |_| {}).unwrap();
     // Rays from all over the lens meet in the plane in focus: where two of them cross.
     let (a, b) =
@@ -96,7 +97,7 @@ fn a_close_look_is_focused_on_the_snow() {
     let found = probe(&built);
     assert!((focus - built.camera.depth(found.position)).abs() < 0.004, "{focus}: {found:?}");
     let grain = 2e-3 / built.camera.pixel_footprint(focus);
-    assert!((grain / (64.0 / CLOSE_GRAINS) - 1.0).abs() < 0.2, "{grain} pixels");
+    assert!((grain / (64.0 / super::close::GRAINS) - 1.0).abs() < 0.2, "{grain} pixels");
 }
 
 /// What the middle of the picture shows.

@@ -4,6 +4,7 @@
 //! updated at once (SIMD over the paths): layout before width, no gathers, no branch a path. While
 //! one group of 16 is worked on, the cells and blocks of the other groups arrive from memory.
 
+mod exit;
 mod paths;
 mod probe;
 mod round;
@@ -15,12 +16,12 @@ use super::sphere::Ice;
 use super::{FirstGrain, FlightEvent, GrainVisit, LANES, MAX_TURNS_IN_ICE, Travelled};
 use crate::grain_grid::GridPosition;
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
+use exit::CellShape;
 use fearless_simd::{Level, dispatch};
 use paths::{FirstGrains, GROUPS, Group, get, place_of, set};
-pub use probe::{Probe, ProbeAnswer, Probes};
+pub(super) use probe::BlockProbes;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
-use update::CellShape;
 
 /// The piece of surface on which a straight stretch began.
 #[derive(Clone, Copy, Debug)]
@@ -258,6 +259,6 @@ impl<'a> BlockFlight<'a> {
 }
 
 /// A direction rounded to single precision, which the kernels keep at unit length.
-fn unit_f32(direction: DVec3) -> [f32; 3] {
+pub(super) fn unit_f32(direction: DVec3) -> [f32; 3] {
     direction.to_array().map(|v| v as f32)
 }

@@ -1,7 +1,8 @@
 //! Where light among grains meets surfaces: one path at a time, in the few cells that they cross.
 
+use super::exit::CellShape;
 use super::paths::{GROUP, Group, NOTHING, get, place_of};
-use super::update::{CellShape, EXIT_TOLERANCE};
+use super::update::EXIT_TOLERANCE;
 use super::{BlockFlight, FlightEvent};
 use crate::grain_grid::{MEETS_SURFACE, RADIUS_MASK};
 use snowgrain_math::Ray;

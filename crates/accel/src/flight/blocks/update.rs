@@ -1,15 +1,14 @@
 //! What happens to sixteen paths after their block tests: scatter at a grain, go on in ice, or step
 //! to the next cell; all at once and without a branch a path.
 
+use super::exit::{AxisExit, CellShape, Exit};
 use super::paths::{FirstGrains, GROUP, Group, NOTHING, get, set};
 use crate::flight::MAX_TURNS_IN_ICE;
 use crate::flight::random::NEXT_EVENT;
 use crate::flight::sphere::{Angles, Ice, Transmittance};
 use crate::flight::vector::{F, M, Vector, W};
 use crate::flight::visit::{ArrivalFrom, GrainVisit};
-use crate::grain_grid::{
-    CellEntry, GrainGrid, GridPosition, MEETS_SURFACE, OVERLAPS, RADIUS_MASK, Storage,
-};
+use crate::grain_grid::{GridPosition, MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, mask32x16, u16x16};
@@ -22,112 +21,6 @@ pub(super) const EXIT_TOLERANCE: f32 = 0.0625;
 const CLEARLY: f32 = 1.0 + 1.0 / 131_072.0;
 
 type I<S> = i32x16<S>;
-
-/// The cells of a grid, as the vectors want them.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CellShape {
-    pub(super) margin: f32,
-    pub(super) side: [f32; 3],
-    inverse_side: [f32; 3],
-    cells: [i32; 3],
-    /// What a step of one brick along each axis adds to the number of the brick.
-    brick_steps: [u32; 3],
-}
-
-impl CellShape {
-    pub(super) fn of(grid: &GrainGrid) -> Self {
-        let side = grid.side.map(|side| side as f32);
-        Self {
-            margin: grid.margin as f32,
-            side,
-            inverse_side: side.map(|side| 1.0 / side),
-            cells: grid.cells,
-            brick_steps: match grid.storage() {
-                Storage::Packed(cells) => cells.brick_steps(),
-                Storage::Lattice(_) | Storage::Sites(_) => [0; 3],
-            },
-        }
-    }
-}
-
-/// The way out of each path's cell (or empty brick) along one axis.
-#[derive(Clone, Copy)]
-struct AxisExit<S: Simd> {
-    distance: F<S>,
-    /// Cells that crossing the face moves.
-    crossing: I<S>,
-    /// Least and greatest move where another face is crossed: within an empty brick, else none.
-    least: I<S>,
-    greatest: I<S>,
-}
-
-#[inline(always)]
-fn exit_along<S: Simd>(
-    simd: S,
-    shape: &CellShape,
-    group: &Group,
-    axis: usize,
-    position: F<S>,
-    direction: F<S>,
-) -> AxisExit<S> {
-    let (none, one, seven) = (I::splat(simd, 0), I::splat(simd, 1), I::splat(simd, 7));
-    let margin = F::<S>::splat(simd, shape.margin);
-    let side = F::<S>::splat(simd, shape.side[axis]);
-    let entry = W::<S>::from_slice(simd, &group.entry);
-    let brick = entry.simd_eq(W::<S>::splat(simd, CellEntry::EMPTY_BRICK.0));
-    let cell = I::from_slice(simd, &group.cell[axis]);
-    let below = brick.select(cell & seven, none);
-    // The last brick may reach beyond the grid, where surfaces must be asked for.
-    let in_brick = seven - (cell & seven);
-    let in_grid = I::splat(simd, shape.cells[axis] - 1) - cell;
-    let above = brick.select(in_brick.simd_lt(in_grid).select(in_brick, in_grid), none);
-    let forward = direction.simd_gt(F::<S>::splat(simd, 0.0));
-    let low = margin - simd.cvt_f32_i32x16(below) * side;
-    let high = margin + side + simd.cvt_f32_i32x16(above) * side;
-    let parallel = direction.abs().simd_lt(F::<S>::splat(simd, 1.0e-20));
-    let divisor = parallel.select(F::<S>::splat(simd, 1.0), direction);
-    let distance = (forward.select(high, low) - position) / divisor;
-    AxisExit {
-        distance: parallel.select(F::<S>::splat(simd, NOTHING), distance),
-        crossing: forward.select(above + one, none - below - one),
-        least: none - below,
-        greatest: above,
-    }
-}
-
-/// The way out of each path's cell (or empty brick).
-#[derive(Clone, Copy)]
-struct Exit<S: Simd> {
-    along: [AxisExit<S>; 3],
-    /// Which axis it crosses.
-    by: [M<S>; 3],
-    distance: F<S>,
-}
-
-impl<S: Simd> Exit<S> {
-    #[inline(always)]
-    fn of(
-        simd: S,
-        shape: &CellShape,
-        group: &Group,
-        position: Vector<S>,
-        direction: Vector<S>,
-    ) -> Self {
-        let zero = F::<S>::splat(simd, 0.0);
-        let along = [
-            exit_along(simd, shape, group, 0, position.0, direction.0),
-            exit_along(simd, shape, group, 1, position.1, direction.1),
-            exit_along(simd, shape, group, 2, position.2, direction.2),
-        ];
-        let (x, y, z) = (along[0].distance, along[1].distance, along[2].distance);
-        let by_x = x.simd_le(y) & x.simd_le(z);
-        let by_y = !by_x & y.simd_le(z);
-        let by_z = !(by_x | by_y);
-        let distance = by_x.select(x, by_y.select(y, z));
-        let distance = distance.simd_gt(zero).select(distance, zero);
-        Self { along, by: [by_x, by_y, by_z], distance }
-    }
-}
 
 /// Which of the paths is in a set.
 #[inline(always)]
@@ -474,6 +367,7 @@ fn note_arrivals(
             from: if arrives == 1 { ArrivalFrom::Air } else { ArrivalFrom::Ice },
             center: GridPosition { cell: get(&group.cell, at), local: center },
             radius: f32::from(bits & RADIUS_MASK),
+            shaped: None,
             overlaps: bits & OVERLAPS != 0,
             meets_surface: bits & MEETS_SURFACE != 0,
             to_middle: along(0) + along(1) + along(2),

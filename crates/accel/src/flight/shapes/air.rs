@@ -5,14 +5,14 @@ use super::interface::Interface;
 use super::lane::{BodyPart, Entry, Inside, Lane, Phase, SurfaceAnswer};
 use super::near::{TOLERANCE, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
-use crate::flight::FlightEvent;
+use crate::flight::{ArrivalFrom, FlightEvent};
 use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
 use fearless_simd::Simd;
 use snowgrain_math::DVec3;
 
 /// The way out of a cell, or of an empty brick.
-struct Exit {
-    distance: f64,
+pub(super) struct Exit {
+    pub(super) distance: f64,
     axis: usize,
     /// Cells that crossing the face moves.
     steps: i32,
@@ -40,7 +40,7 @@ impl ShapeFlight<'_> {
 
     /// The way out of the cell of a path. The same numbers in each cell that shares the face.
     #[inline(always)]
-    fn exit(&self, lane: &Lane) -> Exit {
+    pub(super) fn exit(&self, lane: &Lane) -> Exit {
         let cells = &self.cells;
         let is_brick = lane.entry == CellEntry::EMPTY_BRICK;
         let mut exit = Exit { distance: f64::INFINITY, axis: 0, steps: 0, within: [[0; 2]; 3] };
@@ -74,7 +74,7 @@ impl ShapeFlight<'_> {
     /// where it leaves the cell; the first in the cell of two that are entered in one point. Those whose spheres it
     /// entered in an earlier cell were looked at there.
     #[inline(always)]
-    fn nearest<S: Simd>(&self, simd: S, lane: &Lane, limit: f64) -> Option<Entry> {
+    pub(super) fn nearest<S: Simd>(&self, simd: S, lane: &Lane, limit: f64) -> Option<Entry> {
         let mut nearest = lane.nearest;
         if lane.entry == CellEntry::EMPTY_BRICK {
             return nearest;
@@ -97,6 +97,9 @@ impl ShapeFlight<'_> {
                 let word = self.shapes.blocks[number][slot];
                 let placement = Placement::of(ShapeWord::of_slot(word));
                 let center = self.center(lane, number, slot);
+                if lane.shadowless == Some(center) {
+                    continue;
+                }
                 let ray = lane.ray_to(center, &placement);
                 for (at, part) in self.shapes.of(&placement).parts.iter().enumerate() {
                     let body = BodyPart { center, word, part: at as u16 };
@@ -123,7 +126,7 @@ impl ShapeFlight<'_> {
 
     /// The ice that a path meets where it enters a grain.
     #[inline(always)]
-    fn entered(&self, lane: &Lane, entry: &Entry) -> Inside {
+    pub(super) fn entered(&self, lane: &Lane, entry: &Entry) -> Inside {
         let placement = Placement::of(ShapeWord::of_slot(entry.body.word));
         let ray = lane.ray_to(entry.body.center, &placement);
         let parts = &self.shapes.of(&placement).parts;
@@ -185,7 +188,7 @@ impl ShapeFlight<'_> {
 
     /// Goes on to the next cell, or out of the grid.
     #[inline(always)]
-    fn leave_cell(&mut self, index: usize, exit: &Exit) {
+    pub(super) fn leave_cell(&mut self, index: usize, exit: &Exit) {
         let cells = &self.cells;
         let lane = &mut self.lanes[index];
         lane.travelled = exit.distance;
@@ -212,11 +215,13 @@ impl ShapeFlight<'_> {
     fn arrive<S: Simd>(&mut self, simd: S, index: usize, entry: &Entry) {
         let (grid, shapes, ratio) = (self.grid, self.shapes, 1.0 / self.eta);
         let inside = self.entered(&self.lanes[index], entry);
-        let cells = &self.cells;
         let lane = &mut self.lanes[index];
         let at = inside.leave;
         lane.count_air(at);
         lane.visits += 1;
+        self.note(index, ArrivalFrom::Air, &inside, at);
+        let cells = &self.cells;
+        let lane = &mut self.lanes[index];
         lane.inside = inside;
         let outward = lane.outward(shapes);
         if lane.first.is_none() {

@@ -1,8 +1,10 @@
 //! All that one convex body makes of a ray: reflected outside, and out again after each number of chords.
 
-use super::body::{LocalRay, entered, interval, left, normal};
+use super::body::{ELLIPSOID, LocalRay, entered, interval, left, normal};
 use super::interface::Interface;
-use crate::grain_grid::{Part, Prototype};
+use crate::GrainGrid;
+use crate::flight::ShapedArrival;
+use crate::grain_grid::{Part, Placement, Prototype};
 use snowgrain_geometry::Shape;
 use snowgrain_math::{DVec3, Ray};
 
@@ -10,6 +12,9 @@ use snowgrain_math::{DVec3, Ray};
 pub const LEAST_WEIGHT: f64 = 1e-5;
 /// Interfaces after which a chain is not followed: total reflection takes no weight.
 pub const MOST_INTERFACES: usize = 1000;
+
+/// Faces are parallel whose normals are opposite to so much.
+const PARALLEL: f64 = 1e-12;
 
 /// A ray that leaves a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +34,9 @@ pub struct Outgoing {
 pub struct Chain {
     /// What leaves, by the number of chords.
     pub outgoing: Vec<Outgoing>,
-    /// The weight that was still inside where the chain was not followed any farther.
+    /// Chords that were followed.
+    pub chords: u32,
+    /// The weight that was still inside after them.
     pub rest: f64,
 }
 
@@ -38,9 +45,40 @@ pub struct Chain {
 /// a ray that leaves may meet another part.
 #[must_use]
 pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
-    let prototype = Prototype::new(shape);
+    let local = LocalRay { origin: ray.origin, direction: ray.direction };
+    of_prototype(&Prototype::new(shape), local, eta)
+}
+
+impl GrainGrid {
+    /// The chain of light that arrives at a shaped grain along the unit vector `direction`, in the axes of the
+    /// world, from the centre of the grain and in its radii; `None` where it is no single convex body.
+    #[must_use]
+    pub fn chain(
+        &self,
+        arrival: &ShapedArrival,
+        direction: DVec3,
+        radius: f64,
+        eta: f64,
+    ) -> Option<Chain> {
+        let ShapedArrival { shape, from_center } = *arrival;
+        let prototype = self.shapes()?.prototypes.get(shape.prototype())?;
+        let placement =
+            Placement { rotation: shape.rotation(), radius, prototype: shape.prototype() };
+        let local = LocalRay {
+            origin: placement.to_prototype(from_center),
+            direction: placement.turned_back(direction),
+        };
+        let mut chain = of_prototype(prototype, local, eta)?;
+        for out in &mut chain.outgoing {
+            let Ray { origin, direction, .. } = out.ray;
+            out.ray = Ray::new(placement.rotation * origin, placement.rotation * direction);
+        }
+        Some(chain)
+    }
+}
+
+fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<Chain> {
     let [part] = prototype.parts.as_slice() else { return None };
-    let mut local = LocalRay { origin: ray.origin, direction: ray.direction };
     let [enter, leave] = interval(part, &local)?;
     if leave <= 0.0 {
         return None;
@@ -49,7 +87,8 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
     let point = local.origin + local.direction * enter.max(0.0);
     let interface = Interface::new(local.direction, normal(part, on, point), 1.0 / eta);
     let reflected = 1.0 - interface.transmittance;
-    let mut chain = Chain { outgoing: Vec::new(), rest: interface.transmittance };
+    let rest = interface.transmittance;
+    let mut chain = Chain { outgoing: Vec::new(), chords: 0, rest };
     chain.add(reflected, Ray::new(point, interface.reflected()), [0.0, 0.0]);
     local = LocalRay { origin: point, direction: interface.refracted() };
     let mut length = 0.0;
@@ -58,6 +97,7 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
             break;
         }
         length += step(part, &mut local, &mut on);
+        chain.chords = chords as u32;
         let outward = normal(part, on, local.origin);
         let interface = Interface::new(local.direction, -outward, eta);
         let weight = chain.rest * interface.transmittance;
@@ -67,6 +107,40 @@ pub fn chain(shape: &Shape, ray: &Ray, eta: f64) -> Option<Chain> {
         local.direction = interface.reflected();
     }
     Some(chain)
+}
+
+/// How light goes straight through a body, by one chord between parallel faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Straight {
+    pub(super) transmittance: f64,
+    /// Length in ice, radii.
+    pub(super) length: f64,
+    /// Where it leaves.
+    pub(super) leaves: DVec3,
+}
+
+/// How a ray that enters a body at `enter` of it goes straight through, if it does.
+#[inline(always)]
+pub(super) fn straight(part: &Part, ray: &LocalRay, enter: f64, eta: f64) -> Option<Straight> {
+    let on = entered(part, ray, enter);
+    if on == ELLIPSOID {
+        return None;
+    }
+    let point = ray.origin + ray.direction * enter;
+    let outward = normal(part, on, point);
+    let interface = Interface::new(ray.direction, outward, 1.0 / eta);
+    if interface.transmittance == 0.0 {
+        return None;
+    }
+    let mut inside = LocalRay { origin: point, direction: interface.refracted() };
+    let mut through = on;
+    let length = step(part, &mut inside, &mut through);
+    if through == ELLIPSOID || normal(part, through, inside.origin).dot(outward) > PARALLEL - 1.0 {
+        return None;
+    }
+    // It meets the other face at the angle at which it left this one.
+    let transmittance = interface.transmittance * interface.transmittance;
+    Some(Straight { transmittance, length, leaves: inside.origin })
 }
 
 /// Along one chord; its length.

@@ -5,7 +5,7 @@ use super::interface::Interface;
 use super::lane::{BodyPart, Inside, Phase};
 use super::near::{TOLERANCE, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
-use crate::flight::{FlightEvent, MAX_TURNS_IN_ICE};
+use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
 use fearless_simd::Simd;
 
@@ -31,6 +31,12 @@ impl ShapeFlight<'_> {
                     let lane = &mut self.lanes[index];
                     lane.count_ice(lane.inside.leave);
                     lane.travelled = lane.inside.leave;
+                    let (from, at) = (lane.inside.body, lane.travelled);
+                    // From part to part of one grain it does not arrive.
+                    if (from.center, from.word) != (next.body.center, next.body.word) {
+                        self.note(index, ArrivalFrom::Ice, &next, at);
+                    }
+                    let lane = &mut self.lanes[index];
                     lane.inside = next;
                     if next.meets_surface && self.meets_surface_in_ice(index) {
                         return;

@@ -140,6 +140,8 @@ pub(super) struct Lane {
     pub(super) nearest: Option<Entry>,
     /// In air: the part that the stretch left, which it cannot meet again (convexity).
     pub(super) leaving: Option<BodyPart>,
+    /// Of a straight ray: centre of a grain that it does not meet.
+    pub(super) shadowless: Option<DVec3>,
     pub(super) inside: Inside,
     /// The piece of surface that the stretch left.
     pub(super) left_surface: Option<SurfaceId>,
@@ -175,6 +177,7 @@ impl Default for Lane {
             entry_of: [0; 3],
             nearest: None,
             leaving: None,
+            shadowless: None,
             inside: Inside::default(),
             left_surface: None,
             surface: SurfaceAnswer::NotAsked,

@@ -13,17 +13,21 @@ mod ice;
 mod interface;
 mod lane;
 mod near;
+mod probe;
 
 pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 
+pub(super) use probe::ShapeProbes;
+
+use super::visit::{ArrivalFrom, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
 use super::{FirstGrain, FlightEvent, LANES, Travelled};
-use crate::grain_grid::{GridPosition, GridShapes, Storage};
+use crate::grain_grid::{GridPosition, GridShapes, ShapeWord, Storage};
 use crate::prefetch::prefetch;
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use body::NOWHERE;
 use fearless_simd::{Level, Simd, dispatch};
 use interface::Interface;
-use lane::{Cells, Lane, Phase};
+use lane::{Cells, Inside, Lane, Phase};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
 
@@ -44,6 +48,8 @@ pub(super) struct ShapeFlight<'a> {
     cells: Cells,
     lanes: Box<[Lane; LANES]>,
     events: Vec<(usize, FlightEvent)>,
+    /// Arrivals at grains, where they are noted.
+    visits: Option<Vec<GrainVisit>>,
     /// All paths in flight are in the first lanes.
     in_use: usize,
 }
@@ -63,6 +69,7 @@ impl<'a> ShapeFlight<'a> {
             cells: Cells::of(grid),
             lanes: Box::new([Lane::default(); LANES]),
             events: Vec::with_capacity(LANES),
+            visits: None,
             in_use: LANES,
         }
     }
@@ -141,6 +148,45 @@ impl<'a> ShapeFlight<'a> {
         self.in_use = lanes.min(LANES);
     }
 
+    pub(super) fn note_visits(&mut self) {
+        self.visits = Some(Vec::with_capacity(2 * VISITS_AT_ONCE));
+    }
+
+    pub(super) fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
+        if let Some(noted) = &mut self.visits {
+            visits.append(noted);
+        }
+    }
+
+    /// Notes that a path arrives at the grain that it is about to be in, at `at` of its stretch.
+    #[inline(never)]
+    fn note(&mut self, index: usize, from: ArrivalFrom, inside: &Inside, at: f64) {
+        let Some(noted) = &mut self.visits else { return };
+        let lane = &self.lanes[index];
+        let Inside { body, placement, .. } = inside;
+        let place = lane.origin + lane.direction * at;
+        let local = (body.center - lane.offset).to_array().map(|x| x as f32);
+        noted.push(GrainVisit {
+            lane: index,
+            from,
+            center: GridPosition { cell: lane.cell, local },
+            radius: placement.radius as f32,
+            shaped: Some(ShapedArrival {
+                shape: ShapeWord::of_slot(body.word).shape(),
+                from_center: place - body.center,
+            }),
+            overlaps: inside.overlaps,
+            meets_surface: inside.meets_surface,
+            to_middle: (body.center - place).dot(lane.direction) as f32,
+            direction: lane.direction.to_array().map(|x| x as f32),
+            grain_visits: lane.visits,
+            ice_length: lane.ice_length as f32,
+            ice_in_strata: lane.ice_in_strata.map(|length| length as f32),
+            stratum: inside.stratum,
+            event: lane.event,
+        });
+    }
+
     /// Lets all paths travel until at least one needs its caller.
     pub(super) fn advance(&mut self, level: Level, events: &mut Vec<(usize, FlightEvent)>) {
         dispatch!(level, simd => self.run(simd));
@@ -187,7 +233,9 @@ impl<'a> ShapeFlight<'a> {
     /// Rounds until an event occurs or no path is left in flight.
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) {
-        while self.events.is_empty() {
+        while self.events.is_empty()
+            && self.visits.as_ref().is_none_or(|noted| noted.len() < VISITS_AT_ONCE)
+        {
             let mut flying = false;
             for first in (0..self.in_use).step_by(GROUP) {
                 let lanes = first..(first + GROUP).min(self.in_use);

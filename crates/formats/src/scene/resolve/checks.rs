@@ -3,6 +3,7 @@
 use super::super::document::SceneDocument;
 use super::super::quantity::{Length, Triple};
 use super::super::{LoadError, SceneError, SceneFile};
+use crate::folder::{self, Stray};
 use snowgrain_math::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -71,12 +72,22 @@ impl<'a> Checks<'a> {
         self.file.source.written(key).unwrap_or_else(|| "(default)".to_owned())
     }
 
-    /// The path of a file that the scene refers to.
+    /// The path of a file that the scene refers to. One that the scene file names must lie in its folder; one
+    /// that `--set` names may lie anywhere.
     pub(super) fn reference(&self, key: &str, file: &str) -> Result<PathBuf, SceneError> {
         if file.is_empty() || file.contains('\0') {
             return Err(self.bad(key, "must name a file"));
         }
-        Ok(self.file.origin().parent().unwrap_or(Path::new("")).join(file))
+        let folder = self.file.origin().parent().unwrap_or(Path::new(""));
+        if !self.file.source.is_override(key)
+            && let Err(stray) = folder::inside(folder, file)
+            && stray != Stray::Missing
+        {
+            let mend = "a scene may only name files of its own folder: put the file there, or name it by \
+                        --set, which may lead anywhere";
+            return Err(self.bad(key, format!("names a file {}; {mend}", stray.clause())));
+        }
+        Ok(folder.join(file))
     }
 
     pub(super) fn finite<const N: usize>(

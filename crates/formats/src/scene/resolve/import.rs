@@ -10,7 +10,8 @@ use super::objects::{Placement, check_reach, transform};
 use crate::gltf::{ImportedCamera, ImportedMaterial, ImportedProjection, ImportedScene};
 use snowgrain_math::DAffine3;
 use snowgrain_render::description::{
-    CameraDescription, LightDescription, ObjectDescription, ObjectShape, Projection, Surface,
+    CameraDescription, DirectView, LightDescription, ObjectDescription, ObjectShape, Projection,
+    Surface,
 };
 use snowgrain_render::surface::{Reflectance, TextureMap};
 
@@ -53,7 +54,7 @@ fn objects(
             name: object.name,
             shape: ObjectShape::Mesh(object.mesh),
             surface: surface(object.material),
-            is_holdout: false,
+            direct_view: DirectView::Seen,
             transform,
         })
     };

@@ -134,17 +134,11 @@ fn refuse_points(checks: &Checks<'_>, lights: &[LightDescription]) -> Result<(),
 pub(super) fn finding(
     checks: &Checks<'_>,
     lights: &[LightDescription],
-    is_shaped: bool,
 ) -> Result<LightFinding, SceneError> {
     let table = &checks.document().integrator;
     let sought = match table.light {
-        LightFindingName::Auto if is_shaped || lights.iter().all(LightDescription::is_sky) => None,
+        LightFindingName::Auto if lights.iter().all(LightDescription::is_sky) => None,
         LightFindingName::Exact => None,
-        LightFindingName::Sampled | LightFindingName::AllSampled if is_shaped => {
-            let mend = "light cannot be looked for among grains of other shapes than spheres yet; leave \
-                        this out or write \"exact\", which finds a sun or lamp by chance";
-            return Err(checks.misplaced("integrator.light", mend));
-        }
         LightFindingName::Auto | LightFindingName::Sampled => Some(Sought::NotSkies),
         LightFindingName::AllSampled => Some(Sought::All),
     };

@@ -7,7 +7,7 @@ use super::checks::{Checks, LARGEST, SMALLEST};
 use super::{Files, lights, surfaces};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DAffine3, DMat3, DVec3, trig};
-use snowgrain_render::description::{LightDescription, ObjectDescription, ObjectShape};
+use snowgrain_render::description::{DirectView, LightDescription, ObjectDescription, ObjectShape};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ fn instances(
             shape: object.shape.clone(),
             surface,
             transform,
-            is_holdout: object.is_holdout,
+            direct_view: object.direct_view,
         })
     };
     places.iter().enumerate().map(instance).collect()
@@ -116,7 +116,16 @@ fn object(
         (None, Some(file)) => file.to_string_lossy().into_owned(),
         (None, None) => path.to_owned(),
     };
-    Ok((ObjectDescription { name, shape, surface, transform, is_holdout: table.holdout }, bounds))
+    let direct_view = match (table.holdout, table.shadow_catcher) {
+        (false, false) => DirectView::Seen,
+        (true, false) => DirectView::Holdout,
+        (false, true) => DirectView::ShadowCatcher,
+        (true, true) => {
+            let mend = "an object is held out or catches shadows, not both; remove one";
+            return Err(checks.misplaced(&key("shadow_catcher"), mend));
+        }
+    };
+    Ok((ObjectDescription { name, shape, surface, transform, direct_view }, bounds))
 }
 
 pub(super) fn mesh(

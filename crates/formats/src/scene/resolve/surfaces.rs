@@ -28,7 +28,8 @@ const KEYS: [(&str, &[MaterialName]); 7] = [
 
 /// Whether a key of an object tells what it is made of.
 pub(super) fn is_of_material(key: &str) -> bool {
-    ["material", "holdout"].contains(&key) || KEYS.iter().any(|(name, _)| *name == key)
+    ["material", "holdout", "shadow_catcher"].contains(&key)
+        || KEYS.iter().any(|(name, _)| *name == key)
 }
 
 /// What the object at `path` is made of.

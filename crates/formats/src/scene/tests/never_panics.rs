@@ -15,7 +15,7 @@ fn survive(bytes: &[u8], overrides: &[String]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn on_arbitrary_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {

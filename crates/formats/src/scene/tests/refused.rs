@@ -67,18 +67,6 @@ fn shapes_that_mean_nothing_are_refused_by_their_key() {
 }
 
 #[test]
-fn light_is_not_looked_for_among_shapes() {
-    let shaped = format!("{LEAST}[[snow.shapes]]\nshape = \"cube\"\n");
-    for light in ["sampled", "all-sampled"] {
-        let message = refusal(&shaped, &[&format!("integrator.light=\"{light}\"")]);
-        assert!(
-            message.contains("integrator.light") && message.contains("other shapes"),
-            "{message}"
-        );
-    }
-}
-
-#[test]
 fn text_that_is_not_toml_names_its_line() {
     let message = instead("kind = \"sky\"", "kind = \"sky");
     assert!(message.starts_with("folder/scene.toml:6: not TOML: "), "{message}");

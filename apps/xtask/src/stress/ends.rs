@@ -1,0 +1,113 @@
+//! Renders that are ended from outside at random times.
+
+use super::{Bench, ended};
+use anyhow::{Result, ensure};
+use snowgrain_film::Film;
+use snowgrain_formats::read_film;
+use snowgrain_math::sampler::split_mix;
+use std::process::{Child, Command};
+use std::time::Duration;
+
+const FILM: &str = "a.film";
+const ENDLESS: [&str; 5] = ["--spp", "4000000000", "--resume", "-o", FILM];
+
+/// A random time from a moment after the start on.
+fn wait(seed: u64, least: u64, most: u64) {
+    std::thread::sleep(Duration::from_millis(least + split_mix(seed) % (most - least)));
+}
+
+fn send(child: &Child, signal: &str) -> Result<()> {
+    let sent = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status()?;
+    ensure!(sent.success(), "{signal} cannot be sent");
+    Ok(())
+}
+
+/// The film that is there, which must be whole and hold at least what it did before.
+fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
+    if !bench.path(FILM).exists() {
+        ensure!(before == 0, "the film is gone");
+        return Ok(None);
+    }
+    let film = read_film(&bench.path(FILM))?;
+    let held = film.samples().total();
+    ensure!(held >= before, "the film had {before} samples and has {held}");
+    Ok(Some(film))
+}
+
+/// Whether the film has the bytes of a render of its samples without a break.
+fn compare_with_whole(bench: &Bench) -> Result<u64> {
+    let Some(film) = film(bench, 0)? else { return Ok(0) };
+    let held = film.samples().to_string();
+    bench.render(&["--samples", &held, "-o", "whole.film"])?;
+    let same = std::fs::read(bench.path(FILM))? == std::fs::read(bench.path("whole.film"))?;
+    ensure!(same, "the film of samples {held} differs from one without a break");
+    let total = film.samples().total();
+    for name in [FILM, "whole.film"] {
+        std::fs::remove_file(bench.path(name))?;
+    }
+    Ok(total)
+}
+
+pub(super) fn kills(bench: &Bench, count: u64) -> Result<String> {
+    let (mut held, mut inside) = (0, 0);
+    for kill in 0..count {
+        let mut child = bench.start(&[&ENDLESS[..], &["--checkpoint-every", "1ms"]].concat())?;
+        wait(kill, 150, 900);
+        child.kill()?;
+        child.wait()?;
+        let left = bench.partial_files()?;
+        ensure!(left <= 1, "{left} temporary files: what was left before was not swept");
+        inside += left;
+        held = film(bench, held)?.map_or(held, |film| film.samples().total());
+    }
+    // Another worker's file is let be, and what kills left is swept.
+    let others = bench.path(".snowgrain-0-other.partial");
+    let held_by_another = std::fs::File::create(&others)?;
+    held_by_another.lock()?;
+    bench.render(&["--spp", "1", "-o", "b.film"])?;
+    ensure!(others.exists(), "the temporary file of another worker was swept");
+    ensure!(bench.partial_files()? == 1, "what the last kill left was not swept");
+    drop(held_by_another);
+    std::fs::remove_file(&others)?;
+    let samples = compare_with_whole(bench)?;
+    Ok(format!(
+        "{count} kills, {inside} of them while a film was written; 0 torn films; the film of {samples} \
+         samples has the bytes of one without a break"
+    ))
+}
+
+pub(super) fn stops(bench: &Bench, count: u64) -> Result<String> {
+    let mut held = 0;
+    for stop in 0..count {
+        let mut child = bench.start(&ENDLESS)?;
+        wait(1000 + stop, 50, 900);
+        send(&child, "TERM")?;
+        let status = ended(&mut child)?;
+        ensure!(status.code() == Some(143), "a stopped render ended with {status}");
+        held = film(bench, held)?.map_or(held, |film| film.samples().total());
+    }
+    ensure!(bench.partial_files()? == 0, "a stop left a temporary file");
+    let samples = compare_with_whole(bench)?;
+    Ok(format!("{count} stops; the film of {samples} samples has the bytes of one without a break"))
+}
+
+/// Signals one after another, as fast as they can be sent.
+pub(super) fn storm(bench: &Bench) -> Result<String> {
+    let (mut held, mut sent) = (0, 0);
+    for round in 0..10 {
+        let mut child = bench.start(&[&ENDLESS[..], &["--checkpoint-every", "20ms"]].concat())?;
+        wait(2000 + round, 200, 700);
+        for signal in ["TERM", "HUP", "INT", "TERM", "HUP", "TERM"] {
+            if child.try_wait()?.is_none() {
+                send(&child, signal)?;
+                sent += 1;
+            }
+        }
+        let status = ended(&mut child)?;
+        let stopped = [129, 130, 143].map(Some).contains(&status.code());
+        ensure!(stopped, "it ended with {status}");
+        held = film(bench, held)?.map_or(held, |film| film.samples().total());
+    }
+    let samples = compare_with_whole(bench)?;
+    Ok(format!("{sent} signals to 10 renders; the film of {samples} samples is whole"))
+}
