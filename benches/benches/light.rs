@@ -2,18 +2,23 @@
 //! among grains, per CPU second of one core.
 //!
 //! Scenes: `sc`, `bcc`, `fcc` (lattices without memory), and `ray`, `stick`, `roll` (1 M grains, or as
-//! many as `ray:10000000` says; `compact-ray` packs them compactly). Levels: `avx512`, `avx2`, `sse4.2`, `sse2`, `neon`; all of this machine
+//! many as `ray:10000000` says; `compact-ray` packs them compactly; `plate-stick`, `column-stick`, `ball-stick`
+//! give them these shapes, the last a sphere that is traced as the shapes are). Levels: `avx512`, `avx2`, `sse4.2`, `sse2`, `neon`; all of this machine
 //! where none is named.
 
 use snowgrain_accel::{GrainGrid, Packing, SimdLevel, Surfaces};
-use snowgrain_benches::{best_of, cpu_seconds, pile, world};
-use snowgrain_geometry::Quantisation;
-use snowgrain_grains::{DepositRule, LatticeCell, LatticeKind, LatticeSettings};
+use snowgrain_benches::{RADIUS, best_of, cpu_seconds, pile, world};
+use snowgrain_geometry::{GrainShape, Quantisation, Shape, ShapeKind};
+use snowgrain_grains::{
+    DepositRule, FieldShapes, GrainField, LatticeCell, LatticeKind, LatticeSettings, MixedShape,
+    Orientation, ShapeMix,
+};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{Aabb, DVec3, Ray};
 use snowgrain_render::World;
 use snowgrain_render::measure::measure_body;
 use snowgrain_render::transport::{NewPath, PathResult, PathSource, trace};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Paths from all around.
@@ -25,7 +30,8 @@ const SAMPLES: u32 = 4;
 const TILE: u32 = 32;
 
 /// What is measured where nothing is named.
-const SCENES: [&str; 6] = ["sc", "bcc", "fcc", "ray", "stick", "roll"];
+const SCENES: [&str; 9] =
+    ["sc", "bcc", "fcc", "ray", "stick", "roll", "ball-stick", "plate-stick", "column-stick"];
 
 fn main() {
     let named: Vec<String> =
@@ -60,15 +66,19 @@ fn scene(name: &str) -> (World, Aabb) {
         Some(name) => (name, Packing::Compact),
         None => (name, Packing::Fast),
     };
+    let (shape, name) = match name.split_once('-') {
+        Some((shape, name)) => (Some(shape), name),
+        None => (None, name),
+    };
     let (kind, grains) = name.split_once(':').unwrap_or((name, "1000000"));
     let grains = grains.parse().expect("the number of grains is a whole number");
     match kind {
         "sc" => lattice(LatticeKind::Sc, 120),
         "bcc" => lattice(LatticeKind::Bcc, 100),
         "fcc" => lattice(LatticeKind::Fcc, 76),
-        "ray" => deposit(DepositRule::Ray, grains, 80.0, packing),
-        "stick" => deposit(DepositRule::Stick, grains, 200.0, packing),
-        "roll" => deposit(DepositRule::Roll, grains, 60.0, packing),
+        "ray" => deposit(DepositRule::Ray, grains, 80.0, (packing, shape)),
+        "stick" => deposit(DepositRule::Stick, grains, 200.0, (packing, shape)),
+        "roll" => deposit(DepositRule::Roll, grains, 60.0, (packing, shape)),
         other => panic!("no scene is called '{other}'"),
     }
 }
@@ -98,8 +108,41 @@ fn lattice(kind: LatticeKind, cells: u32) -> (World, Aabb) {
     )
 }
 
-fn deposit(rule: DepositRule, grains: u64, depth: f64, packing: Packing) -> (World, Aabb) {
+/// The grains with a shape, turned at random.
+fn shaped(field: GrainField, name: &str) -> GrainField {
+    let kind = match name {
+        "plate" => ShapeKind::HexagonalPrism { aspect: 0.2, rounding: 0.0 },
+        "column" => ShapeKind::HexagonalPrism { aspect: 2.0, rounding: 0.0 },
+        "ball" => ShapeKind::Spheroid { aspect: 1.0 },
+        other => panic!("no shape is called '{other}'"),
+    };
+    let shape = Arc::new(Shape::new(kind).expect("the shape is legal"));
+    // Blocks hold bounding spheres, for which the quanta must be coarse enough.
+    let coarser = shape.bounding_radius();
+    let lattice = Quantisation::for_grains(DVec3::ZERO, RADIUS * coarser);
+    let grains = field.iter().map(|grain| {
+        lattice.round(grain.center, grain.radius).expect("coarser quanta reach farther")
+    });
+    let field = GrainField::new(lattice, grains.collect());
+    let mixed =
+        MixedShape { shape: Arc::clone(&shape), orientation: Orientation::Random, fraction: 1.0 };
+    let mix = ShapeMix::new(vec![mixed], 0).expect("one shape is a mixture");
+    let turned = |grain| GrainShape::new(0, mix.draw(grain).1);
+    let of_grains = field.quantised().map(turned).collect();
+    field.with_shapes(FieldShapes { prototypes: [Shape::clone(&shape)].into(), of_grains })
+}
+
+fn deposit(
+    rule: DepositRule,
+    grains: u64,
+    depth: f64,
+    (packing, shape): (Packing, Option<&str>),
+) -> (World, Aabb) {
     let (field, _) = pile(rule, grains, depth);
+    let field = match shape {
+        Some(name) => shaped(field, name),
+        None => field,
+    };
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.expect("threads start");

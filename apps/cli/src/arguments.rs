@@ -36,7 +36,7 @@ pub(crate) use merge::MergeArguments;
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
     OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,
-    SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
+    ShapeName, SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use series::Series;

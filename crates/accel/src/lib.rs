@@ -14,8 +14,13 @@ mod strata;
 pub mod surfaces;
 mod words;
 
-pub use flight::{ArrivalFrom, Flight, FlightEvent, GrainVisit, Probe, ProbeAnswer, Probes};
-pub use grain_grid::{GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing};
+pub use flight::{
+    ArrivalFrom, Flight, FlightEvent, GrainVisit, Outgoing, Passage, Probe, ProbeAnswer, Probes,
+    ShapedArrival,
+};
+pub use grain_grid::{
+    GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing, ShapedGrains,
+};
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,
     RegionLayout, StackRegion,

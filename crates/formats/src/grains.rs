@@ -1,21 +1,25 @@
-//! Grain files: PLY with `double x y z` and `float radius` in metres.
+//! Grain files: PLY with `double x y z` and `float radius` in metres; of grains that are not all spheres, also
+//! `uchar shape`, whose number names a comment, and an orientation.
 //!
 //! Comments hold the unit, the up axis, and the origin and quantum of the lattice that the grains
 //! are stored on, so that reading gives back the same [`QuantisedGrain`]s in the same order. Files
 //! of other programs need only the four properties, of any type; they are rounded to a lattice
 //! made for their largest radius.
 
+mod shapes;
+
 use crate::error::{Fault, FormatsError, Place, abridged, room};
 use crate::mesh::{coordinates, single_property};
 use crate::ply::{Body, Element, Header, Row};
 use crate::{atomic, input};
+use shapes::ShapeLayout;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
-use snowgrain_grains::GrainField;
+use snowgrain_grains::{FieldShapes, GrainField};
 use snowgrain_math::DVec3;
 use std::io::{self, BufRead, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Writes a grain file: 28 bytes a grain after a header.
+/// Writes a grain file: 28 bytes a grain after a header, or 35 where grains have shapes.
 ///
 /// # Errors
 /// [`FormatsError::BadOutput`] where a grain would not come back as it is (a radius of 0, or an
@@ -60,22 +64,35 @@ fn write(writer: &mut impl Write, field: &GrainField) -> io::Result<()> {
          comment up y\n\
          comment quantum {:e}\n\
          comment origin {x:e} {y:e} {z:e}\n\
-         element vertex {}\n\
+         ",
+        lattice.quantum(),
+    )?;
+    if let Some(FieldShapes { prototypes, .. }) = field.shapes() {
+        shapes::write_prototypes(writer, prototypes)?;
+    }
+    write!(
+        writer,
+        "element vertex {}\n\
          property double x\n\
          property double y\n\
          property double z\n\
-         property float radius\n\
-         end_header\n",
-        lattice.quantum(),
+         property float radius\n",
         field.len()
     )?;
-    for grain in field.iter() {
+    if field.shapes().is_some() {
+        writer.write_all(shapes::PROPERTIES.as_bytes())?;
+    }
+    writer.write_all(b"end_header\n")?;
+    for (index, grain) in field.iter().enumerate() {
         let mut row = [0; 28];
         for (bytes, x) in row.chunks_exact_mut(8).zip(grain.center.to_array()) {
             bytes.copy_from_slice(&x.to_le_bytes());
         }
         row[24..].copy_from_slice(&(grain.radius as f32).to_le_bytes());
         writer.write_all(&row)?;
+        if let Some(FieldShapes { of_grains, .. }) = field.shapes() {
+            writer.write_all(&shapes::row(of_grains[index]))?;
+        }
     }
     Ok(())
 }
@@ -87,8 +104,9 @@ fn read(mut reader: impl BufRead + Seek, length: u64) -> Result<GrainField, Faul
         (origin, Some(quantum)) => Quantisation::from_parts(origin, quantum),
         (origin, None) => {
             let mut largest = 0.0f64;
-            layout.each_grain(&mut reader, &header, length, |_, _, radius| {
-                largest = largest.max(radius);
+            layout.each_grain(&mut reader, &header, length, |_, _, radius, row| {
+                let reach = layout.shapes.as_ref().map_or(1.0, |shapes| shapes.reach(row));
+                largest = largest.max(radius * reach);
                 Ok(())
             })?;
             if largest == 0.0 {
@@ -101,11 +119,19 @@ fn read(mut reader: impl BufRead + Seek, length: u64) -> Result<GrainField, Faul
     let count = usize::try_from(layout.vertex.count)
         .map_err(|_| Fault::TooLarge(format!("a list of {} grains", layout.vertex.count)))?;
     let mut grains = room(count, "grains")?;
-    layout.each_grain(&mut reader, &header, length, |place, center, radius| {
+    let mut of_grains = room(if layout.shapes.is_some() { count } else { 0 }, "shapes of grains")?;
+    layout.each_grain(&mut reader, &header, length, |place, center, radius, row| {
+        if let Some(shapes) = &layout.shapes {
+            of_grains.push(shapes.of_row(place, row)?);
+        }
         grains.push(rounded(&quantisation, place, center, radius)?);
         Ok(())
     })?;
-    Ok(GrainField::new(quantisation, grains))
+    let field = GrainField::new(quantisation, grains);
+    Ok(match layout.shapes {
+        Some(shapes) => field.with_shapes(shapes.with(of_grains)),
+        None => field,
+    })
 }
 
 fn rounded(
@@ -124,6 +150,7 @@ struct Layout<'a> {
     vertex: &'a Element,
     axes: [usize; 3],
     radius: usize,
+    shapes: Option<ShapeLayout>,
 }
 
 impl<'a> Layout<'a> {
@@ -136,17 +163,18 @@ impl<'a> Layout<'a> {
             let mend = "name it as the \"file\" of an [[object]] table, or remove the faces";
             return Err(Fault::whole("this file has faces: it is a mesh, not grains", mend));
         }
-        Ok(Self { vertex, axes: coordinates(vertex)?, radius })
+        let shapes = ShapeLayout::of(vertex, &header.comments)?;
+        Ok(Self { vertex, axes: coordinates(vertex)?, radius, shapes })
     }
 
-    /// Calls `visit` with place, centre and radius of every grain in the order of the file; both
+    /// Calls `visit` with place, centre, radius and row of every grain in the order of the file; both
     /// are finite and the radius is positive.
     fn each_grain(
         &self,
         reader: &mut impl BufRead,
         header: &Header,
         length: u64,
-        mut visit: impl FnMut(Place, DVec3, f64) -> Result<(), Fault>,
+        mut visit: impl FnMut(Place, DVec3, f64, &Row) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         let mut body = Body::new(reader, header, length);
         let before = header.elements.iter().take_while(|element| element.name != "vertex");
@@ -166,7 +194,7 @@ impl<'a> Layout<'a> {
                 let what = format!("a position that is not finite (vertex {index} from 0)");
                 return Err(Fault::new(place, what, "give every grain a position in metres"));
             }
-            visit(place, center, radius)?;
+            visit(place, center, radius, &row)?;
         }
         Ok(())
     }
@@ -222,6 +250,7 @@ fn quantum_of(quantum: f64) -> Result<f64, Fault> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use snowgrain_geometry::{GrainShape, Shape, ShapeKind};
     use std::io::Cursor;
 
     fn read_bytes(bytes: &[u8]) -> Result<GrainField, FormatsError> {
@@ -240,12 +269,54 @@ mod tests {
         let grain = (center, 1..=Quantisation::MAX_RADIUS_QUANTA)
             .prop_map(|(center, radius)| QuantisedGrain { center, radius });
         let origin = prop::array::uniform3(-10.0..10.0f64);
-        (prop::collection::vec(grain, 0..40), origin, 1e-5..1e-1f64).prop_map(
-            |(grains, origin, radius)| {
+        (prop::collection::vec(grain, 0..40), origin, 1e-5..1e-1f64, any::<bool>()).prop_map(
+            |(grains, origin, radius, is_shaped)| {
                 let origin = DVec3::from_array(origin);
-                GrainField::new(Quantisation::for_grains(origin, radius), grains)
+                let field = GrainField::new(Quantisation::for_grains(origin, radius), grains);
+                if is_shaped { shaped(field) } else { field }
             },
         )
+    }
+
+    /// The field with a shape for each grain.
+    fn shaped(field: GrainField) -> GrainField {
+        let plate = ShapeKind::HexagonalPrism { aspect: 0.15, rounding: 0.1 };
+        let random = ShapeKind::RandomPolyhedron { faces: 9, seed: 1 << 60, rounding: 0.0 };
+        let prototypes: Vec<Shape> = [ShapeKind::Sphere, plate, random]
+            .iter()
+            .map(|&kind| Shape::new(kind).unwrap())
+            .collect();
+        let cut = Shape::of_faces(prototypes[2].parts()[0].faces.clone()).unwrap();
+        let prototypes: Vec<Shape> = prototypes.into_iter().chain([cut]).collect();
+        let shape = |(index, grain): (usize, QuantisedGrain)| {
+            let [x, y, z] = grain.center.map(f64::from);
+            GrainShape::new(index % 4, [x, y, z, f64::from(grain.radius)])
+        };
+        let of_grains = field.quantised().enumerate().map(shape).collect();
+        field.with_shapes(FieldShapes { prototypes: prototypes.into(), of_grains })
+    }
+
+    #[test]
+    fn shapes_that_are_none_are_refused_with_their_place() {
+        let grain = QuantisedGrain { center: [1, 2, 3], radius: 4 };
+        let field = GrainField::new(Quantisation::for_grains(DVec3::ZERO, 1.0), vec![grain]);
+        let good = written(&shaped(field));
+        let with = |from: &str, to: &str| {
+            let at = good.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
+            let bytes = [&good[..at], to.as_bytes(), &good[at + from.len()..]].concat();
+            read_bytes(&bytes).unwrap_err().to_string()
+        };
+        let unknown = with("comment shape 1 hexagonal-prism", "comment shape 1 hexagonal-disc");
+        assert!(unknown.contains("hexagonal-disc"), "{unknown}");
+        let gap = with("comment shape 1", "comment shape 7");
+        assert!(gap.contains("shape 7"), "{gap}");
+        let missing = with("property ushort orientation_1\n", "property ushort orientation_9\n");
+        assert!(missing.contains("orientation_1"), "{missing}");
+        let mut bytes = good.clone();
+        let at = bytes.len() - 7;
+        bytes[at] = 200;
+        let number = read_bytes(&bytes).unwrap_err().to_string();
+        assert!(number.contains("shape 200"), "{number}");
     }
 
     fn text(vertices: &str, count: usize) -> Vec<u8> {

@@ -61,6 +61,35 @@ pub enum GeometryError {
         /// Index of the triangle, from 0.
         triangle: usize,
     },
+    /// A number of a shape is out of range.
+    #[error("{key}: {reason}")]
+    BadShape {
+        /// Name of the number, as in a scene file.
+        key: &'static str,
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
+    /// A mesh that encloses nothing, or not all of it.
+    #[error(
+        "the mesh is not closed: {edges} edges have no triangle on their other side, or one that faces the other way; close it, and let all triangles face outwards"
+    )]
+    OpenMesh {
+        /// Edges without a partner.
+        edges: usize,
+    },
+    /// A mesh with a hollow, or turned inside out.
+    #[error(
+        "the mesh is not convex, or its triangles face inwards; a grain's mesh must be convex, and its triangles counter-clockwise seen from outside"
+    )]
+    NotConvex,
+    /// A mesh that is nearly round.
+    #[error("the mesh has {faces} faces; a grain has at most {most}: use a coarser mesh")]
+    TooManyFaces {
+        /// Faces of the mesh.
+        faces: usize,
+        /// Most that a grain may have.
+        most: usize,
+    },
     /// There is no triangle with an area.
     #[error("the mesh has no triangle with an area")]
     EmptyMesh,

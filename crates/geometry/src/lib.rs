@@ -14,9 +14,11 @@
 mod error;
 pub mod grain;
 pub mod mesh;
+pub mod shape;
 pub mod teapot;
 
 pub use error::GeometryError;
 pub use grain::{Grain, Quantisation, QuantisedGrain};
 pub use mesh::TriangleMesh;
+pub use shape::{GrainShape, Shape, ShapeKind};
 pub use teapot::teapot;

@@ -40,6 +40,16 @@ pub enum GrainsError {
 }
 
 impl GrainsError {
+    /// The name and the fault of a setting or of a number of a shape.
+    #[must_use]
+    pub fn setting_and_reason(&self) -> Option<(&'static str, &str)> {
+        match self {
+            Self::Setting { key, reason }
+            | Self::Geometry(GeometryError::BadShape { key, reason }) => Some((key, reason)),
+            _ => None,
+        }
+    }
+
     pub(crate) fn setting(key: &'static str, reason: impl Into<String>) -> Self {
         Self::Setting { key, reason: reason.into() }
     }

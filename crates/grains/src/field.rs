@@ -1,7 +1,10 @@
 //! A pack of grains.
 
-use snowgrain_accel::{GrainGrid, GrainParts, GrainStacks, GridError, Packing, Surfaces};
-use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
+use crate::FieldShapes;
+use snowgrain_accel::{
+    GrainGrid, GrainParts, GrainStacks, GridError, Packing, ShapedGrains, Surfaces,
+};
+use snowgrain_geometry::{Grain, GrainShape, Quantisation, QuantisedGrain, Shape};
 use snowgrain_math::Aabb;
 use std::borrow::Cow;
 
@@ -20,6 +23,7 @@ pub struct GrainField {
     stacks: Vec<GrainStacks>,
     listed: Vec<QuantisedGrain>,
     len: usize,
+    shapes: Option<FieldShapes>,
 }
 
 impl GrainField {
@@ -38,7 +42,26 @@ impl GrainField {
     ) -> Self {
         let fallen: u64 = stacks.iter().map(GrainStacks::len).sum();
         let len = fallen as usize + listed.len();
-        Self { quantisation, stacks, listed, len }
+        Self { quantisation, stacks, listed, len, shapes: None }
+    }
+
+    /// The same grains with shapes, one for each in the order of [`Self::quantised`].
+    ///
+    /// # Panics
+    /// If there are not as many shapes as grains, or a prototype is missing.
+    #[must_use]
+    pub fn with_shapes(mut self, shapes: FieldShapes) -> Self {
+        assert_eq!(shapes.of_grains.len(), self.len, "a shape for each grain");
+        let known = |shape: &GrainShape| shape.prototype() < shapes.prototypes.len();
+        assert!(shapes.of_grains.iter().all(known), "a prototype for each shape");
+        self.shapes = Some(shapes);
+        self
+    }
+
+    /// The shapes of the grains; `None` where all are spheres.
+    #[must_use]
+    pub fn shapes(&self) -> Option<&FieldShapes> {
+        self.shapes.as_ref()
     }
 
     /// Number of grains.
@@ -58,6 +81,7 @@ impl GrainField {
     pub fn bytes(&self) -> usize {
         self.stacks.iter().map(GrainStacks::bytes).sum::<usize>()
             + self.listed.capacity() * size_of::<QuantisedGrain>()
+            + self.shapes.as_ref().map_or(0, FieldShapes::bytes)
     }
 
     /// Number of parts.
@@ -88,12 +112,10 @@ impl GrainField {
     /// # Errors
     /// As [`GrainGrid::build`].
     pub fn pack(&self, surfaces: &Surfaces, packing: Packing) -> Result<GrainGrid, GridError> {
-        let read = |part: usize, out: &mut Vec<QuantisedGrain>| self.part(part, out);
-        let grains = GrainParts::Parts { count: self.parts(), read: &read };
-        GrainGrid::build(self.quantisation, grains, surfaces, packing)
+        self.pack_in_strata(surfaces, packing, &[])
     }
 
-    /// The same, with the stratum of each grain in the order of [`Self::quantised`].
+    /// The same, with the stratum of each grain in the order of [`Self::quantised`], if there are any.
     ///
     /// # Errors
     /// As [`GrainGrid::build`].
@@ -106,6 +128,16 @@ impl GrainField {
         packing: Packing,
         strata: &[u8],
     ) -> Result<GrainGrid, GridError> {
+        if let Some(FieldShapes { prototypes, of_grains }) = &self.shapes {
+            let grains = (&*self.grains(), ShapedGrains { prototypes, of_grains });
+            return GrainGrid::build_shaped(
+                self.quantisation,
+                grains,
+                (surfaces, strata),
+                None,
+                packing,
+            );
+        }
         let read = |part: usize, out: &mut Vec<QuantisedGrain>| self.part(part, out);
         let grains = GrainParts::Parts { count: self.parts(), read: &read };
         GrainGrid::build_in_strata(self.quantisation, grains, surfaces, packing, strata)
@@ -155,12 +187,31 @@ impl GrainField {
     }
 }
 
-/// The same grains in the same order on the same lattice, however they are held.
+impl GrainField {
+    /// How far the grain that reaches farthest reaches from its centre, metres.
+    #[must_use]
+    pub fn largest_reach(&self) -> f64 {
+        let quanta = match &self.shapes {
+            None => f64::from(self.largest_radius_quanta()),
+            Some(FieldShapes { prototypes, of_grains }) => {
+                let reaches: Vec<f64> = prototypes.iter().map(Shape::bounding_radius).collect();
+                let reach = |(grain, shape): (QuantisedGrain, &GrainShape)| {
+                    f64::from(grain.radius) * reaches[shape.prototype()]
+                };
+                self.quantised().zip(of_grains).map(reach).fold(0.0, f64::max)
+            }
+        };
+        quanta * self.quantisation.quantum()
+    }
+}
+
+/// The same grains of the same shapes in the same order on the same lattice, however they are held.
 impl PartialEq for GrainField {
     fn eq(&self, other: &Self) -> bool {
         self.quantisation == other.quantisation
             && self.len == other.len
             && self.quantised().eq(other.quantised())
+            && self.shapes == other.shapes
     }
 }
 

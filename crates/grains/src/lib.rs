@@ -31,6 +31,7 @@ pub mod layers;
 pub mod measures;
 pub mod random;
 pub mod settings;
+pub mod shapes;
 
 pub use deposit::{DepositReport, Snowfall, reached_solid_fraction};
 pub use error::GrainsError;
@@ -42,3 +43,4 @@ pub use random::{RandomLayer, RandomSettings, random_layers, random_pack};
 pub use settings::{
     Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeKind, LatticeSettings, Radii,
 };
+pub use shapes::{FieldShapes, MixedShape, Orientation, ShapeMix};

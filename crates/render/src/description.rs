@@ -7,7 +7,7 @@ pub use crate::surface::Surface;
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
-use snowgrain_grains::{DepositSettings, GrainField, LatticeSettings};
+use snowgrain_grains::{DepositSettings, FieldShapes, GrainField, LatticeSettings, ShapeMix};
 use snowgrain_math::{DAffine3, DVec3};
 use snowgrain_optics::{Absorption, Impurity, Primaries};
 use std::sync::Arc;
@@ -27,6 +27,9 @@ pub struct SceneDescription {
     pub objects: Vec<ObjectDescription>,
     /// Snow, in the order in which it falls or is placed.
     pub snow: Vec<SnowDescription>,
+    /// Shapes of the grains of each body of snow, in the order of `snow`; `None`, or none for it, where they
+    /// are spheres or, of grains from a file, what the file says.
+    pub shapes: Vec<Option<ShapeMix>>,
     /// Impurities of single bodies of snow, beside those of the ice.
     pub strata: Strata,
     /// How light is traced.
@@ -261,6 +264,34 @@ pub enum ObjectShape {
     Mesh(Arc<TriangleMesh>),
 }
 
+impl SceneDescription {
+    /// The shapes that grains of a body of snow are given, where they are not all spheres.
+    #[must_use]
+    pub fn shapes_of(&self, body: usize) -> Option<&ShapeMix> {
+        let mix = self.shapes.get(body)?.as_ref()?;
+        (!mix.is_all_spheres()).then_some(mix)
+    }
+
+    /// Whether any grain has a shape other than a sphere.
+    #[must_use]
+    pub fn has_shapes(&self) -> bool {
+        (0..self.snow.len())
+            .any(|body| self.shapes_of(body).is_some() || self.snow[body].has_shapes())
+    }
+
+    /// How far grains of a body of snow may reach, in their radii.
+    #[must_use]
+    pub fn reach_of(&self, body: usize) -> f64 {
+        match (self.shapes_of(body), &self.snow[body]) {
+            (Some(mix), _) => mix.largest_reach(),
+            (None, SnowDescription::Grains(field)) => {
+                field.shapes().map_or(1.0, FieldShapes::largest_reach)
+            }
+            (None, SnowDescription::Deposit(_) | SnowDescription::Lattice(_)) => 1.0,
+        }
+    }
+}
+
 /// One body of snow.
 #[derive(Clone, Debug)]
 pub enum SnowDescription {
@@ -270,6 +301,17 @@ pub enum SnowDescription {
     Lattice(LatticeSettings),
     /// Grains as they are (from a file).
     Grains(Arc<GrainField>),
+}
+
+impl SnowDescription {
+    /// Whether its grains come with shapes.
+    #[must_use]
+    pub fn has_shapes(&self) -> bool {
+        match self {
+            Self::Deposit(_) | Self::Lattice(_) => false,
+            Self::Grains(field) => field.shapes().is_some(),
+        }
+    }
 }
 
 /// The closed set of integrators.

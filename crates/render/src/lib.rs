@@ -2,6 +2,7 @@
 //!
 //! Opens no file and owns no thread pool: both are handed in.
 
+mod bodies;
 pub mod camera;
 mod catchers;
 pub mod description;

@@ -1,17 +1,17 @@
 //! A scene that light can travel through.
 
+use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
-use crate::strata::KnownGrains;
 use crate::surface::Material;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
-use snowgrain_geometry::{Quantisation, teapot::teapot};
+use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
 use snowgrain_grains::{
     DepositReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
 };
@@ -129,7 +129,7 @@ impl Scene {
         let bounds = objects.bounds();
         let lit = LitSurfaces::new(shapes_of(description), &description.lights);
         let mut report = BuildReport::default();
-        let (grid, surfaces, digest) =
+        let Packed { grid, surfaces, digest, prototypes } =
             build_grid(description, (objects, &lit, level), &mut report, stage)?;
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
@@ -154,7 +154,8 @@ impl Scene {
             LightFinding::Sampled(settings) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
-                let search = LightSearch::new(&lights, world.eta, settings.sought);
+                let search =
+                    LightSearch::new(&lights, world.eta, settings.sought).among(&prototypes, level);
                 let paths = (size, settings.calibration_paths);
                 Some(search.calibrated((&world, &camera), paths, film.seed, level))
             }
@@ -271,7 +272,7 @@ pub fn deposit_at(
     stage(BuildStage::Surfaces);
     let surfaces = surfaces_of(description);
     let mut report = BuildReport::default();
-    let mut known = KnownGrains::default();
+    let mut known = KnownGrains::of_shapes(description);
     let field = fall(description, (&surfaces, level), &mut known, &mut report, stage)?;
     Ok((field, report.snowfalls))
 }
@@ -301,17 +302,26 @@ fn shapes_of(description: &SceneDescription) -> Vec<(SurfaceShape, DAffine3)> {
         .collect()
 }
 
-/// One lattice alone needs no memory; everything else is packed grain by grain. Gives the surfaces that
-/// light meets, too.
+/// Grains that are packed for light, and what else light meets.
+struct Packed {
+    grid: GrainGrid,
+    surfaces: Surfaces,
+    digest: GrainDigest,
+    /// Of the shapes of grains, where these have any.
+    prototypes: Arc<[Shape]>,
+}
+
+/// One lattice alone needs no memory; everything else is packed grain by grain.
 fn build_grid(
     description: &SceneDescription,
     (objects, lit, level): (Surfaces, &LitSurfaces, SimdLevel),
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
-) -> Result<(GrainGrid, Surfaces, GrainDigest), RenderError> {
+) -> Result<Packed, RenderError> {
     let has_lamps = lit.shapes.len() > description.objects.len();
     if let [SnowDescription::Lattice(settings)] = description.snow.as_slice()
         && description.strata.loads.is_empty()
+        && !description.has_shapes()
     {
         let quantisation = quantisation_of(description, &objects);
         let with_lamps = has_lamps.then(|| Surfaces::new(&lit.shapes).with_level(level));
@@ -321,10 +331,11 @@ fn build_grid(
         if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);
             report.snowfalls.push(None);
-            return Ok((grid, with_lamps.unwrap_or(objects), digest));
+            let surfaces = with_lamps.unwrap_or(objects);
+            return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
         }
     }
-    let mut known = KnownGrains::new(description.strata.clone());
+    let mut known = KnownGrains::of_scene(description);
     let field = fall(description, (&objects, level), &mut known, report, stage)?;
     stage(BuildStage::Packing);
     // Snow falls through lamps.
@@ -336,9 +347,11 @@ fn build_grid(
     };
     let quantisation = field.quantisation;
     let packing = description.packing.unwrap_or_default();
-    let grid = field.pack_in_strata(&surfaces, packing, &known.of_field(&field))?;
+    let grid = field.pack_in_strata(&surfaces, packing, &known.strata(&field))?;
     let digest = GrainDigest::new(quantisation, packing, &field);
-    Ok((grid, surfaces, digest))
+    let prototypes =
+        field.shapes().map_or_else(|| Arc::new([]) as Arc<[Shape]>, |s| Arc::clone(&s.prototypes));
+    Ok(Packed { grid, surfaces, digest, prototypes })
 }
 
 /// The lattice without memory, where it is whole and has such a form, and no surface crosses it; as
@@ -375,7 +388,7 @@ fn implicit_lattice(
 fn fall(
     description: &SceneDescription,
     (surfaces, level): (&Surfaces, SimdLevel),
-    known: &mut KnownGrains,
+    known: &mut KnownGrains<'_>,
     report: &mut BuildReport,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<GrainField, RenderError> {
@@ -395,7 +408,7 @@ fn fall(
         report.snowfalls.push(result.map_err(|source| RenderError::Snow { index, source })?);
         known.learn(index, &snowfall);
     }
-    Ok(snowfall.into_field())
+    known.shaped(snowfall.into_field())
 }
 
 /// Least mean radius, in quanta, of grains that share a scene with larger ones.
@@ -427,7 +440,7 @@ fn check_sizes(
 }
 
 /// One lattice of quanta for all snow of a scene: that of a grain file where it holds all other
-/// grains too (so that the file comes back bit for bit), else made for the largest radius around
+/// grains too (so that the file comes back bit for bit), else made for the longest reach of a grain around
 /// the whole metre nearest to the middle of the scene.
 fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quantisation {
     let mut largest: f64 = 0.0;
@@ -435,23 +448,26 @@ fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quant
     let mut from_file: Option<Quantisation> = None;
     // Lattices start at the origin of the quanta, which must then be that of the scene.
     let mut at_origin = false;
-    for snow in &description.snow {
+    for (body, snow) in description.snow.iter().enumerate() {
+        let reach = description.reach_of(body);
         match snow {
             SnowDescription::Deposit(settings) => {
-                largest = largest.max(settings.radii.largest());
+                largest = largest.max(settings.radii.largest() * reach);
                 if let Some([x0, z0, x1, z1]) = settings.area {
                     bounds =
                         bounds.union(&Aabb::new(DVec3::new(x0, 0.0, z0), DVec3::new(x1, 0.0, z1)));
                 }
             }
             SnowDescription::Lattice(settings) => {
-                largest = largest.max(settings.radius);
+                largest = largest.max(settings.radius * reach);
                 at_origin = true;
             }
             SnowDescription::Grains(field) => {
+                let mixed = description.shapes_of(body).is_some();
                 let radius =
                     f64::from(field.largest_radius_quanta()) * field.quantisation.quantum();
-                largest = largest.max(radius);
+                let farthest = if mixed { radius * reach } else { field.largest_reach() };
+                largest = largest.max(farthest);
                 bounds = bounds.union(&field.bounds());
                 if from_file.is_none_or(|q| q.quantum() < field.quantisation.quantum()) {
                     from_file = Some(field.quantisation);
@@ -459,8 +475,13 @@ fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quant
             }
         }
     }
+    // The radii of shapes were rounded too, up by half a quantum at most, and grains reach that much farther.
+    let bodies = 0..description.snow.len();
+    let reach = bodies.map(|body| description.reach_of(body)).fold(0.0, f64::max);
+    let slack = if description.has_shapes() { reach } else { 0.0 };
     let usable = |q: &Quantisation| {
-        largest <= q.largest_radius() && (!at_origin || q.origin() == DVec3::ZERO)
+        largest <= q.largest_radius() + slack * q.quantum()
+            && (!at_origin || q.origin() == DVec3::ZERO)
     };
     if let Some(quantisation) = from_file.filter(usable) {
         return quantisation;

@@ -8,7 +8,7 @@ use crate::description::{
 use crate::surface::Reflectance;
 use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
-use snowgrain_grains::{GrainField, LatticeCell};
+use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
 use snowgrain_optics::{Absorption, Impurity, Load};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -50,6 +50,16 @@ impl GrainDigest {
             }
         }
         hasher.update(&bytes);
+        if let Some(FieldShapes { prototypes, of_grains }) = field.shapes() {
+            prototypes.iter().for_each(|shape| {
+                hasher.update(shape.name().as_bytes());
+            });
+            for shapes in of_grains.chunks(BATCH / size_of::<u64>()) {
+                bytes.clear();
+                shapes.iter().for_each(|s| bytes.extend_from_slice(&s.to_bits().to_le_bytes()));
+                hasher.update(&bytes);
+            }
+        }
         let origin = quantisation.origin();
         for value in [origin.x, origin.y, origin.z, quantisation.quantum()] {
             hasher.update(&value.to_le_bytes());
@@ -83,6 +93,7 @@ pub fn recipe(scene: &SceneDescription) -> [u8; 32] {
             made => hash.tag(&format!("{made:?}")),
         }
     }
+    hash.tag(&format!("{:?}", scene.shapes));
     hash_scene(scene, &GrainDigest(*hash.0.finalize().as_bytes()))
 }
 

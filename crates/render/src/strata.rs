@@ -1,11 +1,7 @@
-//! Snow of which some bodies have impurities of their own: which grain belongs to which.
+//! Snow of which some bodies have impurities of their own.
 
 use snowgrain_accel::STRATA;
-use snowgrain_geometry::QuantisedGrain;
-use snowgrain_grains::{GrainField, Snowfall};
-use snowgrain_math::sampler::split_mix;
 use snowgrain_optics::Impurity;
-use std::collections::HashMap;
 
 /// The impurities of each stratum from 1 on, and the stratum of each body of snow: 0 where it has no
 /// impurities of its own. Bodies with the same impurities are one stratum.
@@ -39,45 +35,6 @@ impl Strata {
     pub(crate) fn of_body(&self, body: usize) -> u8 {
         self.of_body.get(body).copied().unwrap_or(0)
     }
-}
-
-/// Grains that are known, and their strata: they fall body by body, but lie in the order of their places.
-#[derive(Debug, Default)]
-pub(crate) struct KnownGrains {
-    strata: Strata,
-    by_grain: HashMap<u64, u8>,
-}
-
-impl KnownGrains {
-    pub(crate) fn new(strata: Strata) -> Self {
-        Self { strata, by_grain: HashMap::new() }
-    }
-
-    /// Learns the grains of a body, which are those that were not there before.
-    pub(crate) fn learn(&mut self, body: usize, snowfall: &Snowfall<'_>) {
-        if self.strata.loads.is_empty() {
-            return;
-        }
-        let stratum = self.strata.of_body(body);
-        snowfall.for_each_grain(|grain| {
-            self.by_grain.entry(digest(grain)).or_insert(stratum);
-        });
-    }
-
-    /// The strata of all grains of the field in their order; empty where there are none.
-    pub(crate) fn of_field(&self, field: &GrainField) -> Vec<u8> {
-        if self.strata.loads.is_empty() {
-            return Vec::new();
-        }
-        let stratum = |grain| self.by_grain.get(&digest(grain)).copied().unwrap_or(0);
-        field.quantised().map(stratum).collect()
-    }
-}
-
-/// A word for a grain: two of a hundred million share one by chance once in a thousand scenes.
-fn digest(grain: QuantisedGrain) -> u64 {
-    let [x, y, z] = grain.center.map(|c| u64::from(c.cast_unsigned()));
-    split_mix(split_mix(x | y << 32) ^ (z | u64::from(grain.radius) << 32))
 }
 
 #[cfg(test)]

@@ -59,6 +59,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         snow: vec![SnowDescription::Lattice(settings)],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        shapes: Vec::new(),
         light_finding: LightFinding::Exact,
         packing: None,
     }

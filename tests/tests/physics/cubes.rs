@@ -42,6 +42,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
         })],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        shapes: Vec::new(),
         light_finding: LightFinding::Exact,
         packing: None,
     }

@@ -100,6 +100,7 @@ pub(crate) fn pile(
         ))],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        shapes: Vec::new(),
         light_finding: LightFinding::Exact,
         packing: None,
     }

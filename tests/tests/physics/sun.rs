@@ -145,6 +145,64 @@ fn the_sun_in_a_lone_grain_is_solved_as_it_is_met() {
     }
 }
 
+/// The same in a lone grain with faces, which mirrors a sun into the camera or does not: the chain of its
+/// interfaces against light that is met.
+#[test]
+fn the_sun_in_a_lone_crystal_is_solved_as_it_is_met() {
+    let lone = "source = \"lattice\"\nlattice = \"sc\"\nradius = \"0.5 mm\"\ncounts = [1, 1, 1]\n[[snow.shapes]]\n";
+    for (shape, elevation) in [
+        ("shape = \"hexagonal-column\"\naspect = 2.0\norientation = \"horizontal\"", 45),
+        ("shape = \"cube\"\nrounding = 0.3", 70),
+        ("shape = \"random-polyhedron\"\nfaces = 14\nrounding = 0.3", 70),
+    ] {
+        let text = SNOW
+            .replace("source = \"deposit\"\nradius = \"0.5 mm\"\ndepth = \"5 mm\"\narea = [-0.03, -0.03, 0.03, 0.03]", &format!("{lone}{shape}"))
+            .replace("[[object]]\nshape = \"plane\"\nalbedo = 0.5\n", "")
+            .replace("width = 32\nheight = 32", "width = 12\nheight = 12")
+            .replace("at = [0.0, 0.002, 0.0]\nvertical_fov = 12.0", "at = [0.0005, 0.0005, 0.0005]\nkind = \"orthographic\"\nheight = 0.0015");
+        let by = |finding: &str, samples: u64| {
+            let finding_is = format!("integrator.light=\"{finding}\"");
+            let height = format!("light.elevation={elevation}");
+            let mut changes = vec![finding_is.as_str(), "light.angular_diameter=20.0", &height];
+            if finding == "sampled" {
+                changes.push("integrator.calibration_paths=16384");
+            }
+            mean(&film(&scene(&text, &changes), samples))
+        };
+        let exact = by("exact", samples(1 << 14, 1 << 18));
+        let sampled = by("sampled", samples(1 << 11, 1 << 14));
+        let [a, b] = [exact.standard_error, sampled.standard_error];
+        let error = (a * a + b * b).sqrt();
+        println!("{shape}: {exact:?} {sampled:?}");
+        assert!(exact.mean > 3.0 * exact.standard_error, "{shape} shines: {exact:?}");
+        assert!((sampled.mean - exact.mean).abs() <= SIGMAS * error, "{exact:?} {sampled:?}");
+    }
+}
+
+/// Of plates and rounded polyhedra, as of spheres: within 2 % or three standard errors of both.
+#[test]
+fn a_sun_on_crystals_is_as_bright_as_one_that_is_met() {
+    let shapes = "area = [-0.03, -0.03, 0.03, 0.03]\n[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\n[[snow.shapes]]\nshape = \"random-polyhedron\"\nfaces = 14\nrounding = 0.3\n";
+    let text = SNOW.replace("area = [-0.03, -0.03, 0.03, 0.03]\n", shapes);
+    let by = |finding: &str, samples: u64| {
+        let finding_is = format!("integrator.light=\"{finding}\"");
+        let diameter = if crate::is_full() { 5.0 } else { 20.0 };
+        let diameter = format!("light.angular_diameter={diameter}");
+        let mut changes = vec![finding_is.as_str(), &diameter, "snow.rule=\"stick\""];
+        if finding == "sampled" {
+            changes.push("integrator.calibration_paths=262144");
+        }
+        mean(&film(&scene(&text, &changes), samples))
+    };
+    let exact = by("exact", samples(256, 1 << 16));
+    let sampled = by("sampled", samples(64, 1 << 12));
+    let [a, b] = [exact.standard_error, sampled.standard_error];
+    let error = (a * a + b * b).sqrt();
+    let off = sampled.mean - exact.mean;
+    println!("crystals: {:+.2} % +- {:.2} %", 100.0 * off / exact.mean, 100.0 * error / exact.mean);
+    assert!(off.abs() <= (0.02 * exact.mean).max(3.0 * error), "{exact:?} {sampled:?}");
+}
+
 /// What half a degree of sun gains: the variance of a sample against that of chance, which finds a disc of
 /// radiance L with a mean of m once in L/m samples.
 #[test]

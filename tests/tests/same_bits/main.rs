@@ -23,8 +23,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The scenes: a lattice, a mesh buried in overlapping grains with absorption, layers of many sizes on
-/// round and flat objects, and snow in sun and lamps that are looked for.
-const SCENES: [&str; 4] = ["lattice", "buried", "layers", "sunlit"];
+/// round and flat objects, snow in sun and lamps that are looked for, and grains of many shapes.
+const SCENES: [&str; 5] = ["lattice", "buried", "layers", "sunlit", "shapes"];
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/golden").join(name)
@@ -250,7 +250,7 @@ fn a_preview_of_all_samples_shows_the_colours_of_the_film() {
 
 #[test]
 fn grains_written_and_read_back_give_the_same_pixels() {
-    for name in ["buried", "layers"] {
+    for name in ["buried", "layers", "shapes"] {
         let mut fallen = description(name);
         // A file does not tell which snow a grain belongs to.
         fallen.strata = Strata::default();
@@ -261,7 +261,8 @@ fn grains_written_and_read_back_give_the_same_pixels() {
         let back = read_grains(&path).unwrap();
         assert!(back == field, "{name}: the grains differ");
         let snow = vec![SnowDescription::Grains(Arc::new(back))];
-        let placed = SceneDescription { snow, ..fallen.clone() };
+        // A file tells the shapes.
+        let placed = SceneDescription { snow, shapes: Vec::new(), ..fallen.clone() };
         let (mut fallen, placed) = (build(&fallen), build(&placed));
         assert_eq!(fallen.hash, placed.hash, "{name}: the scene's hash is over its content");
         assert_ne!(fallen.recipe, placed.recipe, "{name}: other things were asked for");

@@ -1,6 +1,7 @@
 //! `snowgrain optics` as typed.
 
 mod brdf;
+mod shape;
 mod spread;
 
 use super::laboratory_values::ImpurityLoads;
@@ -12,6 +13,7 @@ use snowgrain_render::laboratory::Pack;
 use std::path::PathBuf;
 
 pub(crate) use brdf::{BrdfArguments, BrdfMethod};
+pub(crate) use shape::{ShapeArguments, ShapeName};
 pub(crate) use spread::{SpreadArguments, SpreadMethod};
 
 /// The snow laboratory: what flat layers of snow do to light at each wavelength.
@@ -138,15 +140,21 @@ pub(crate) struct ColourArguments {
     pub(crate) search: SearchArguments,
 }
 
-/// Scattering by one grain, without diffraction: g, B, the energy of each order, and the phase function.
+/// Scattering by one grain, without diffraction: g, B, and the phase function; of a sphere, the energy of each
+/// order too.
 ///
 /// Comma-separated values follow lines of remarks: g is the mean cosine of the scattering angle, B the
 /// mean length in the grain over the mean chord 4r/3, E0, E1, ... the energy that is reflected outside
 /// and that which leaves after 1, 2, ... chords. The phase function has the mean 1 over all directions.
+///
+/// A sphere is computed in closed form. Other shapes are traced in all orientations alike, by the kernel that
+/// traces snow, and B is the mean length in ice of light that meets the grain, times its mean projected area, by
+/// its volume; figures and bins then come with their standard errors.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     snowgrain optics phase --wavelength 550\n  \
-    snowgrain optics phase --ior 1.32 --bins 18 --polarisation tracked")]
+    snowgrain optics phase --ior 1.32 --bins 18 --polarisation tracked\n  \
+    snowgrain optics phase --shape hexagonal-column --aspect 2 --plot column.svg")]
 pub(crate) struct PhaseArguments {
     /// Wavelength, nm, of the refractive index of ice
     #[arg(long, value_name = "NM", default_value = "550",
@@ -165,6 +173,9 @@ pub(crate) struct PhaseArguments {
     /// Whether light is unpolarised at every interface, or keeps its polarisation within a grain
     #[arg(long, value_enum, default_value = "redrawn")]
     pub(crate) polarisation: PolarisationName,
+
+    #[command(flatten)]
+    pub(crate) shape: ShapeArguments,
 
     /// Draws it too, as SVG or PNG: the phase function over the scattering angle
     #[arg(long, value_name = "FILE.svg|.png")]

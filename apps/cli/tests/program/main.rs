@@ -14,6 +14,7 @@ mod light_in_snow;
 mod measures;
 mod noise;
 mod pictures;
+mod shapes;
 #[cfg(unix)]
 mod signals;
 mod surfaces;

@@ -1,25 +1,29 @@
 //! Light among grains, many paths at a time.
 //!
-//! [`Flight`] keeps 64 paths in the air, in one of two ways: among packed grains of any kind
-//! (`blocks`), or in a perfect lattice (`crystal`). What the kernels cannot decide comes back as a
+//! [`Flight`] keeps 64 paths in the air, in one of three ways: among packed spheres (`blocks`), in a
+//! perfect lattice of spheres (`crystal`), or among packed grains of any shape (`shapes`). What the kernels cannot decide comes back as a
 //! [`FlightEvent`]: the path left the grid, met a surface, or seems trapped. The caller answers
 //! with [`Flight::launch`], [`Flight::bounce`] or [`Flight::retire`].
 
 mod blocks;
 mod crystal;
+mod probe;
 pub(crate) mod random;
+mod shapes;
 mod sphere;
 pub(crate) mod vector;
 mod visit;
 
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
-pub use blocks::{Probe, ProbeAnswer, Probes};
-pub use visit::{ArrivalFrom, GrainVisit};
+pub use probe::{Passage, Probe, ProbeAnswer, Probes};
+pub use shapes::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
+pub use visit::{ArrivalFrom, GrainVisit, ShapedArrival};
 
 use blocks::BlockFlight;
 use crystal::CrystalFlight;
 use fearless_simd::Level;
+use shapes::ShapeFlight;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 
@@ -78,14 +82,16 @@ pub struct Flight<'a> {
 enum Engine<'a> {
     Blocks(BlockFlight<'a>),
     Crystal(CrystalFlight<'a>),
+    Shapes(ShapeFlight<'a>),
 }
 
-/// Calls a method that both engines have.
-macro_rules! both {
+/// Calls a method that all engines have.
+macro_rules! each {
     ($engine:expr, $flight:ident => $call:expr) => {
         match $engine {
             Engine::Blocks($flight) => $call,
             Engine::Crystal($flight) => $call,
+            Engine::Shapes($flight) => $call,
         }
     };
 }
@@ -97,9 +103,10 @@ impl<'a> Flight<'a> {
     /// If the machine does not have `level`.
     #[must_use]
     pub fn new(grid: &'a GrainGrid, surfaces: &'a Surfaces, eta: f64, level: SimdLevel) -> Self {
-        let engine = match grid.storage() {
-            Storage::Sites(sites) => Engine::Crystal(CrystalFlight::new(sites, eta)),
-            Storage::Packed(_) | Storage::Lattice(_) => {
+        let engine = match (grid.shapes(), grid.storage()) {
+            (Some(shapes), _) => Engine::Shapes(ShapeFlight::new(grid, shapes, surfaces, eta)),
+            (None, Storage::Sites(sites)) => Engine::Crystal(CrystalFlight::new(sites, eta)),
+            (None, Storage::Packed(_) | Storage::Lattice(_)) => {
                 Engine::Blocks(BlockFlight::new(grid, surfaces, eta))
             }
         };
@@ -111,7 +118,7 @@ impl<'a> Flight<'a> {
     /// puts it into the grid.
     #[inline]
     pub fn launch(&mut self, lane: usize, key: PathKey, event: u32) {
-        both!(&mut self.engine, flight => flight.launch(lane, key, event));
+        each!(&mut self.engine, flight => flight.launch(lane, key, event));
     }
 
     /// Puts the path of `lane` into the grid: in air at `place`, along the unit vector
@@ -128,54 +135,67 @@ impl<'a> Flight<'a> {
             Engine::Blocks(flight) => flight.enter(lane, place, direction, excluded),
             // No surface crosses a crystal.
             Engine::Crystal(flight) => flight.enter(lane, place, direction),
+            Engine::Shapes(flight) => flight.enter(lane, place, direction, excluded),
         }
     }
 
     /// Lets the path of `lane`, which circles in ice, leave where it stands along `direction`, its
     /// next random event being `event`.
     pub fn release(&mut self, lane: usize, direction: DVec3, event: u32) {
-        self.blocks().release(lane, direction, event);
+        match &mut self.engine {
+            Engine::Blocks(flight) => flight.release(lane, direction, event),
+            Engine::Shapes(flight) => flight.release(lane, direction, event),
+            Engine::Crystal(_) => no_such_event(),
+        }
     }
 
     /// Outward unit normal of the grain that the path of `lane`, which circles in ice, is in, at the
     /// end of its chord.
     pub fn outward(&mut self, lane: usize) -> DVec3 {
-        self.blocks().outward(lane)
+        match &self.engine {
+            Engine::Blocks(flight) => flight.outward(lane),
+            Engine::Shapes(flight) => flight.outward(lane),
+            Engine::Crystal(_) => no_such_event(),
+        }
     }
 
     /// Sends a path that stands at a surface on along `direction`, in the medium in which it came;
     /// its next random event is `event`.
     pub fn bounce(&mut self, lane: usize, direction: DVec3, surface: SurfaceId, event: u32) {
-        self.blocks().bounce(lane, direction, surface, event);
+        match &mut self.engine {
+            Engine::Blocks(flight) => flight.bounce(lane, direction, surface, event),
+            Engine::Shapes(flight) => flight.bounce(lane, direction, surface, event),
+            Engine::Crystal(_) => no_such_event(),
+        }
     }
 
     /// Tells that the caller has used the random events before `event`.
     pub fn set_event(&mut self, lane: usize, event: u32) {
-        both!(&mut self.engine, flight => flight.set_event(lane, event));
+        each!(&mut self.engine, flight => flight.set_event(lane, event));
     }
 
     /// Ends the path of `lane`.
     #[inline]
     pub fn retire(&mut self, lane: usize) {
-        both!(&mut self.engine, flight => flight.retire(lane));
+        each!(&mut self.engine, flight => flight.retire(lane));
     }
 
     /// Moves the path of lane `from` to the free lane `to`.
     pub fn relocate(&mut self, from: usize, to: usize) {
-        both!(&mut self.engine, flight => flight.relocate(from, to));
+        each!(&mut self.engine, flight => flight.relocate(from, to));
     }
 
     /// Tells that only the first `lanes` lanes hold paths, so that a few last paths do not cost as
     /// much as 64.
     pub fn use_lanes(&mut self, lanes: usize) {
-        both!(&mut self.engine, flight => flight.use_lanes(lanes));
+        each!(&mut self.engine, flight => flight.use_lanes(lanes));
     }
 
     /// Lets all paths travel until at least one needs its caller; adds `(lane, event)` of each that
     /// does to `events`, none if no path is in flight.
     #[inline]
     pub fn advance(&mut self, events: &mut Vec<(usize, FlightEvent)>) {
-        both!(&mut self.engine, flight => flight.advance(self.level, events));
+        each!(&mut self.engine, flight => flight.advance(self.level, events));
     }
 
     /// Notes arrivals at grains from now on: [`Self::advance`] also returns when there are many, and
@@ -184,12 +204,18 @@ impl<'a> Flight<'a> {
     /// # Panics
     /// In a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`].
     pub fn note_visits(&mut self) {
-        self.blocks().note_visits();
+        match &mut self.engine {
+            Engine::Shapes(flight) => flight.note_visits(),
+            Engine::Blocks(_) | Engine::Crystal(_) => self.blocks().note_visits(),
+        }
     }
 
     /// Moves the arrivals since the last call to `visits`, in the order of each path.
     pub fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
-        self.blocks().take_visits(visits);
+        match &mut self.engine {
+            Engine::Shapes(flight) => flight.take_visits(visits),
+            Engine::Blocks(_) | Engine::Crystal(_) => self.blocks().take_visits(visits),
+        }
     }
 
     /// Whether the path of `lane`, which stands at a surface, is in ice.
@@ -197,6 +223,7 @@ impl<'a> Flight<'a> {
     pub fn is_in_ice(&self, lane: usize) -> bool {
         match &self.engine {
             Engine::Blocks(flight) => flight.is_in_ice(lane),
+            Engine::Shapes(flight) => flight.is_in_ice(lane),
             Engine::Crystal(_) => false,
         }
     }
@@ -206,13 +233,18 @@ impl<'a> Flight<'a> {
     #[inline]
     #[must_use]
     pub fn ray(&self, lane: usize) -> Ray {
-        let (place, direction) =
-            both!(&self.engine, flight => (flight.place(lane), flight.direction(lane)));
-        let direction = DVec3::from_array(direction.map(f64::from)).normalize();
-        let beyond = match &self.engine {
-            Engine::Blocks(flight) => self.grid.beyond_first_period(flight.periods(lane)),
-            Engine::Crystal(flight) => flight.beyond_first_period(lane) * self.grid.quantum(),
+        let (place, direction, beyond) = match &self.engine {
+            Engine::Shapes(flight) => return flight.ray(lane),
+            Engine::Blocks(flight) => {
+                let beyond = self.grid.beyond_first_period(flight.periods(lane));
+                (flight.place(lane), flight.direction(lane), beyond)
+            }
+            Engine::Crystal(flight) => {
+                let beyond = flight.beyond_first_period(lane) * self.grid.quantum();
+                (flight.place(lane), flight.direction(lane), beyond)
+            }
         };
+        let direction = DVec3::from_array(direction.map(f64::from)).normalize();
         Ray::new(self.grid.world(place) + beyond, direction)
     }
 
@@ -224,6 +256,7 @@ impl<'a> Flight<'a> {
             Engine::Blocks(flight) if !self.grid.strata().is_empty() => {
                 flight.ice_in_strata(lane, self.grid.quantum())
             }
+            Engine::Shapes(flight) => flight.ice_in_strata(lane, self.grid.quantum()),
             Engine::Blocks(_) | Engine::Crystal(_) => [0.0; STRATA],
         }
     }
@@ -233,14 +266,18 @@ impl<'a> Flight<'a> {
     #[must_use]
     pub fn travelled(&self, lane: usize) -> Travelled {
         let quantum = self.grid.quantum();
-        both!(&self.engine, flight => flight.travelled(lane, quantum))
+        each!(&self.engine, flight => flight.travelled(lane, quantum))
     }
 
     /// The first grain that the path of `lane` met, if it met one.
     #[inline]
     #[must_use]
     pub fn first_grain(&self, lane: usize) -> Option<FirstGrain> {
-        both!(&self.engine, flight => flight.first_grain(lane, |place| self.grid.world(place)))
+        match &self.engine {
+            Engine::Blocks(flight) => flight.first_grain(lane, |place| self.grid.world(place)),
+            Engine::Crystal(flight) => flight.first_grain(lane, |place| self.grid.world(place)),
+            Engine::Shapes(flight) => flight.first_grain(lane),
+        }
     }
 
     /// The surface on which the present stretch of the path of `lane` began, if it began on one.
@@ -249,15 +286,21 @@ impl<'a> Flight<'a> {
     pub fn excluded(&self, lane: usize) -> Option<SurfaceId> {
         match &self.engine {
             Engine::Blocks(flight) => flight.excluded(lane),
+            Engine::Shapes(flight) => flight.excluded(lane),
             Engine::Crystal(_) => None,
         }
     }
 
-    /// The engine of paths that meet surfaces or circle in overlapping grains.
+    /// The engine that notes arrivals at grains.
     fn blocks(&mut self) -> &mut BlockFlight<'a> {
         match &mut self.engine {
             Engine::Blocks(flight) => flight,
-            Engine::Crystal(_) => unreachable!("no such event occurs in a crystal"),
+            Engine::Crystal(_) | Engine::Shapes(_) => unreachable!("no arrivals are noted there"),
         }
     }
+}
+
+/// No surface crosses a crystal, and light circles in none of its grains.
+fn no_such_event() -> ! {
+    unreachable!("no such event occurs in a crystal")
 }

@@ -2,6 +2,8 @@
 
 use crate::STRATA;
 use crate::grain_grid::GridPosition;
+use snowgrain_geometry::GrainShape;
+use snowgrain_math::DVec3;
 
 /// Where light that arrives at a grain came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +12,15 @@ pub enum ArrivalFrom {
     Air,
     /// The ice of a grain that overlaps this one: no interface is met on the way in.
     Ice,
+}
+
+/// What is told of an arrival at a grain of a shape of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapedArrival {
+    /// Prototype and orientation of the grain.
+    pub shape: GrainShape,
+    /// From its centre to where light arrives, quanta.
+    pub from_center: DVec3,
 }
 
 /// An arrival at a grain. Lengths in quanta.
@@ -22,8 +33,10 @@ pub struct GrainVisit {
     /// Centre of the grain: a cell near it, and its place relative to that cell, which it may lie
     /// outside of.
     pub center: GridPosition,
-    /// Radius of the grain.
+    /// Radius of the grain; of the sphere of equal volume, where it has a shape.
     pub radius: f32,
+    /// Shape of the grain, where grains have any.
+    pub shaped: Option<ShapedArrival>,
     /// Whether other grains overlap it.
     pub overlaps: bool,
     /// Whether a surface crosses it.

@@ -11,7 +11,10 @@ mod overlap;
 mod survey;
 
 use super::packed_cells::{BRICK, CELLS_PER_BRICK};
-use super::{Block, CellEntry, GrainGrid, GrainParts, GridError, PackedCells, Packing, Storage};
+use super::{
+    Block, BlockShapes, CellEntry, GrainGrid, GrainParts, GridError, GridShapes, PackedCells,
+    Packing, Storage,
+};
 use crate::pages;
 use crate::strata::BlockStrata;
 use crate::{SimdLevel, Surfaces};
@@ -52,10 +55,19 @@ pub(super) fn longest_side(margin: i32) -> i32 {
     i32::from(u16::MAX) - 2 * margin
 }
 
+/// What there is beside the places and sizes of grains.
+pub(super) struct Around<'a> {
+    pub(super) surfaces: &'a Surfaces,
+    /// Of each grain, or none.
+    pub(super) strata: &'a [u8],
+    /// The shape of each grain, or none.
+    pub(super) words: &'a [u64],
+}
+
 pub(super) fn build(
     quantisation: Quantisation,
     grains: GrainParts<'_>,
-    (surfaces, strata): (&Surfaces, &[u8]),
+    Around { surfaces, strata, words }: Around<'_>,
     period: Option<[i64; 2]>,
     packing: Packing,
 ) -> Result<GrainGrid, GridError> {
@@ -73,6 +85,7 @@ pub(super) fn build(
             storage: Storage::Packed(PackedCells::new([1; 3])?),
             blocks: vec![Block::EMPTY],
             strata: Vec::new(),
+            shapes: None,
             grains: 0,
         });
     }
@@ -98,6 +111,7 @@ pub(super) fn build(
             margin,
             flags: &flags,
             has_strata: strata.iter().any(|&stratum| stratum != 0),
+            words,
             most_bytes: smaller
                 .then(|| MOST_BYTES_AT_LEAST.max(MOST_BYTES_PER_GRAIN * survey.grains as usize)),
         };
@@ -130,6 +144,8 @@ struct Packer<'a> {
     /// Of each grain, the flags of its copies, and its stratum above them.
     flags: &'a [AtomicU8],
     has_strata: bool,
+    /// Of each grain its shape, where it may have any.
+    words: &'a [u64],
     /// Memory of the cells beyond which they are too many.
     most_bytes: Option<usize>,
 }
@@ -140,6 +156,7 @@ struct Batch<'a> {
     entries: &'a mut [CellEntry],
     blocks: (&'a mut [Block], usize),
     strata: &'a mut [BlockStrata],
+    shapes: &'a mut [BlockShapes],
 }
 
 impl Packer<'_> {
@@ -166,8 +183,16 @@ impl Packer<'_> {
         let mut blocks = pages::zeroed::<Block>(needed);
         let counts: Vec<usize> = counted.iter().map(|batch| batch.blocks).collect();
         let mut strata = vec![BlockStrata::default(); if self.has_strata { needed } else { 0 }];
-        let lists = (entries.as_mut_slice(), &mut *blocks, strata.as_mut_slice());
+        let with_shapes = if self.words.is_empty() { 0 } else { needed };
+        let mut shapes = pages::zeroed::<BlockShapes>(with_shapes);
+        let lists = Lists {
+            entries: &mut entries,
+            blocks: &mut blocks,
+            strata: &mut strata,
+            shapes: &mut shapes,
+        };
         self.list_all(&table, &held, (&batches, &counts), lists);
+        let prototypes = Vec::new();
         Ok(GrainGrid {
             quantisation: self.quantisation,
             first: self.layout.first,
@@ -178,6 +203,11 @@ impl Packer<'_> {
             storage: Storage::Packed(PackedCells::of(self.layout.bricks(), table, entries)),
             blocks,
             strata,
+            shapes: (with_shapes > 0).then_some(GridShapes {
+                prototypes,
+                concentric: false,
+                blocks: shapes,
+            }),
             grains: self.survey.grains,
         })
     }
@@ -253,7 +283,8 @@ impl Packer<'_> {
     ) -> Vec<Counted> {
         let level = SimdLevel::detect().token().expect("a level that was detected is there");
         let none = vec![0; batches.len()];
-        let work = split(batches, &none, (entries, &mut [], &mut []));
+        let lists = Lists { entries, blocks: &mut [], strata: &mut [], shapes: &mut [] };
+        let work = split(batches, &none, lists);
         work.into_par_iter()
             .map_init(<(Gathered, Scratch)>::default, |(gathered, scratch), batch| {
                 let bricks = &held[batch.bricks.clone()];
@@ -284,29 +315,35 @@ impl Packer<'_> {
             let bricks = &held[batch.bricks.clone()];
             let grains = (&self.grains, self.survey);
             gathered.fill(&self.layout, grains, table, (bricks, batch.bricks.start));
-            let ((blocks, first), strata) = (batch.blocks, batch.strata);
+            let ((blocks, first), strata, shapes) = (batch.blocks, batch.strata, batch.shapes);
             number_blocks(batch.entries, first);
             let cells = batch.entries.chunks(CELLS_PER_BRICK);
             for (index, (brick, cells)) in bricks.iter().zip(cells).enumerate() {
-                let lists = (&mut *blocks, &mut *strata, first);
-                self.list(brick, gathered.of_brick(index), cells, lists);
+                let lists = (&mut *blocks, &mut *strata, &mut *shapes);
+                self.list(brick, gathered.of_brick(index), (cells, first), lists);
             }
         });
     }
 }
 
-/// Entries of the cells, blocks, and the strata in them, if there are any.
-type Lists<'a> = (&'a mut [CellEntry], &'a mut [Block], &'a mut [BlockStrata]);
+/// Entries of the cells, blocks, and the strata and shapes in them, if there are any.
+struct Lists<'a> {
+    entries: &'a mut [CellEntry],
+    blocks: &'a mut [Block],
+    strata: &'a mut [BlockStrata],
+    shapes: &'a mut [BlockShapes],
+}
 
 /// Gives each batch its entries and its blocks; brick 0 and block 0 are nobody's.
 fn split<'a>(
     batches: &[Range<usize>],
     counts: &[usize],
-    (entries, blocks, strata): Lists<'a>,
+    Lists { entries, blocks, strata, shapes }: Lists<'a>,
 ) -> Vec<Batch<'a>> {
     let mut entries = &mut entries[CELLS_PER_BRICK..];
     let mut blocks = blocks.get_mut(1..).unwrap_or_default();
     let mut strata = strata.get_mut(1..).unwrap_or_default();
+    let mut shapes = shapes.get_mut(1..).unwrap_or_default();
     let mut first = 1;
     let mut give = |(bricks, &count): (&Range<usize>, &usize)| {
         let (own_entries, rest) =
@@ -317,11 +354,15 @@ fn split<'a>(
         let own = if strata.is_empty() { 0 } else { count };
         let (own_strata, rest) = std::mem::take(&mut strata).split_at_mut(own);
         strata = rest;
+        let own = if shapes.is_empty() { 0 } else { count };
+        let (own_shapes, rest) = std::mem::take(&mut shapes).split_at_mut(own);
+        shapes = rest;
         let batch = Batch {
             bricks: bricks.clone(),
             entries: own_entries,
             blocks: (own_blocks, first),
             strata: own_strata,
+            shapes: own_shapes,
         };
         first += count;
         batch

@@ -1,7 +1,7 @@
 //! Whether a point lies in ice.
 
 use super::block::RADIUS_MASK;
-use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, Storage};
+use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, Placement, ShapeWord, Storage};
 use snowgrain_math::DVec3;
 
 impl GrainGrid {
@@ -22,11 +22,19 @@ impl GrainGrid {
             return false;
         }
         let local = DVec3::from_array(place.local.map(f64::from));
-        self.blocks[entry.blocks()].iter().any(|block| {
+        entry.blocks().any(|number| {
+            let block = &self.blocks[number];
             (0..GRAINS_PER_BLOCK).any(|slot| {
                 let center = [block.x[slot], block.y[slot], block.z[slot]].map(f64::from);
                 let radius = f64::from(block.radius[slot] & RADIUS_MASK);
-                (local - DVec3::from_array(center)).length_squared() < radius * radius
+                let from_center = local - DVec3::from_array(center);
+                if from_center.length_squared() >= radius * radius {
+                    return false;
+                }
+                self.shapes.as_ref().is_none_or(|shapes| {
+                    let placement = Placement::of(ShapeWord::of_slot(shapes.blocks[number][slot]));
+                    shapes.of(&placement).contains(placement.to_prototype(from_center))
+                })
             })
         })
     }

@@ -16,6 +16,7 @@ mod lattice_cells;
 mod packed_cells;
 mod packing;
 mod parts;
+mod shapes;
 mod sites;
 #[cfg(test)]
 mod tests;
@@ -27,11 +28,13 @@ pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
 pub use packing::Packing;
 pub use parts::{GrainParts, PartReader};
+pub use shapes::ShapedGrains;
+pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
 pub(crate) use sites::{LatticeSites, SiteKind};
 
 use crate::strata::BlockStrata;
 use crate::{STRATA, Surfaces};
-use snowgrain_geometry::Quantisation;
+use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{Aabb, DVec3, Ray};
 use thiserror::Error;
 
@@ -66,6 +69,14 @@ pub enum GridError {
         "the period of the snow must be larger than the largest grain, and a multiple of a length of one to three of its radii in whole quanta"
     )]
     BadPeriod,
+    /// A shape whose grains reach too far for the blocks.
+    #[error(
+        "grains of shape \"{shape}\" are too long beside their radius: use smaller grains in the scene, or an aspect nearer to 1"
+    )]
+    LongShape {
+        /// The shape.
+        shape: String,
+    },
     /// A lattice so wide that its cells cannot be cut into pieces that hold 16-bit coordinates.
     #[error("the cells of the lattice are too wide; pack its grains one by one")]
     WideLattice,
@@ -161,6 +172,8 @@ pub struct GrainGrid {
     blocks: Vec<Block>,
     /// Of each block, where any grain has a stratum; else empty.
     strata: Vec<BlockStrata>,
+    /// Where grains are not all spheres.
+    shapes: Option<GridShapes>,
     grains: u64,
 }
 
@@ -175,12 +188,13 @@ impl GrainGrid {
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
         let blocks = size_of_val(self.blocks.as_slice()) + size_of_val(self.strata.as_slice());
+        let shapes = self.shapes.as_ref().map_or(0, |s| size_of_val(s.blocks.as_slice()));
         let cells = match &self.storage {
             Storage::Packed(cells) => cells.memory_bytes(),
             Storage::Lattice(cells) => cells.memory_bytes(),
             Storage::Sites(_) => 0,
         };
-        (blocks + cells) as u64
+        (blocks + shapes + cells) as u64
     }
 
     /// Edge of a quantum, metres.
@@ -282,10 +296,15 @@ impl GrainGrid {
         if let Storage::Sites(sites) = &self.storage {
             return self.metres(sites.world(place));
         }
+        self.world_of(place.cell, DVec3::from_array(place.local.map(f64::from)))
+    }
+
+    /// The place at `local`, cell quanta, of a cell.
+    #[inline]
+    pub(crate) fn world_of(&self, cell: [i32; 3], local: DVec3) -> DVec3 {
         let quanta = std::array::from_fn(|axis| {
-            let corner =
-                self.first[axis] + i64::from(place.cell[axis]) * i64::from(self.side[axis]);
-            corner as f64 + (f64::from(place.local[axis]) - f64::from(self.margin))
+            let corner = self.first[axis] + i64::from(cell[axis]) * i64::from(self.side[axis]);
+            corner as f64 + (local[axis] - f64::from(self.margin))
         });
         self.metres(DVec3::from_array(quanta))
     }
@@ -338,6 +357,17 @@ impl GrainGrid {
         &self.blocks
     }
 
+    /// The shapes of the grains, where they are not all spheres.
+    pub(crate) fn shapes(&self) -> Option<&GridShapes> {
+        self.shapes.as_ref()
+    }
+
+    /// Whether grains have shapes other than spheres.
+    #[must_use]
+    pub fn has_shapes(&self) -> bool {
+        self.shapes.is_some()
+    }
+
     /// The strata of the grains of each block; empty where no grain has one.
     pub(crate) fn strata(&self) -> &[BlockStrata] {
         &self.strata
@@ -366,7 +396,8 @@ impl GrainGrid {
         surfaces: &Surfaces,
         packing: Packing,
     ) -> Result<Self, GridError> {
-        build::build(quantisation, grains.into(), (surfaces, &[]), None, packing)
+        let around = build::Around { surfaces, strata: &[], words: &[] };
+        build::build(quantisation, grains.into(), around, None, packing)
     }
 
     /// As [`Self::build`], with the stratum of each grain, at most [`crate::STRATA`], in the order of the
@@ -385,7 +416,8 @@ impl GrainGrid {
         strata: &[u8],
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
-        build::build(quantisation, grains.into(), (surfaces, strata), None, packing)
+        let around = build::Around { surfaces, strata, words: &[] };
+        build::build(quantisation, grains.into(), around, None, packing)
     }
 
     /// Packs grains that repeat along x and z with the given periods (quanta), over no surfaces.
@@ -402,7 +434,8 @@ impl GrainGrid {
         packing: Packing,
     ) -> Result<Self, GridError> {
         let surfaces = Surfaces::default();
-        build::build(quantisation, grains.into(), (&surfaces, &[]), Some(period_quanta), packing)
+        let around = build::Around { surfaces: &surfaces, strata: &[], words: &[] };
+        build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
     }
 
     /// As [`Self::build_periodic`], with strata as [`Self::build_in_strata`].
@@ -420,8 +453,36 @@ impl GrainGrid {
         strata: &[u8],
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
-        let around = (&Surfaces::default(), strata);
+        let surfaces = Surfaces::default();
+        let around = build::Around { surfaces: &surfaces, strata, words: &[] };
         build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
+    }
+
+    /// Packs grains of shapes: their bounding spheres as [`Self::build_in_strata`] does, or where there is a
+    /// `period` as [`Self::build_periodic_in_strata`], and their shapes beside them. `strata` may be empty.
+    ///
+    /// # Errors
+    /// As there; a shape that is too long.
+    ///
+    /// # Panics
+    /// As there; if there are not as many shapes as grains.
+    pub fn build_shaped(
+        quantisation: Quantisation,
+        (grains, shapes): (&[QuantisedGrain], ShapedGrains<'_>),
+        (surfaces, strata): (&Surfaces, &[u8]),
+        period_quanta: Option<[i64; 2]>,
+        packing: Packing,
+    ) -> Result<Self, GridError> {
+        assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
+        let (spheres, words) = shapes::bounding(grains, shapes)?;
+        let around = build::Around { surfaces, strata, words: &words };
+        let mut grid =
+            build::build(quantisation, spheres.as_slice().into(), around, period_quanta, packing)?;
+        if let Some(grid) = &mut grid.shapes {
+            grid.prototypes = shapes.prototypes.iter().map(Prototype::new).collect();
+            grid.concentric = shapes::any_concentric(grains);
+        }
+        Ok(grid)
     }
 
     /// A crystal lattice of `counts` conventional cells whose first has its low corner at the
@@ -449,6 +510,7 @@ impl GrainGrid {
                 storage: Storage::Sites(sites),
                 blocks: Vec::new(),
                 strata: Vec::new(),
+                shapes: None,
                 grains,
             });
         }
@@ -485,6 +547,7 @@ impl GrainGrid {
             storage: Storage::Lattice(storage),
             blocks,
             strata: Vec::new(),
+            shapes: None,
             grains,
         })
     }

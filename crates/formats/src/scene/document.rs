@@ -7,11 +7,13 @@ mod animate;
 mod camera;
 mod light;
 mod material;
+mod shapes;
 
 pub use animate::{AnimateTable, AnimatedValue, BetweenName};
 pub use camera::{CameraKind, CameraTable, ImportTable};
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
+pub use shapes::{OrientationName, ShapeName, ShapeTable};
 
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
@@ -314,6 +316,10 @@ pub struct SnowTable {
     /// lattice, file.
     #[serde(default)]
     pub impurities: BTreeMap<String, LoadText>,
+    /// Shapes of the grains, [[snow.shapes]], of which each grain has one at random; default spheres, or what
+    /// the file says; deposit, lattice, file.
+    #[serde(default)]
+    pub shapes: Vec<ShapeTable>,
     /// Half-width of the uniform distribution of radii: a length, 0 to `radius`; default 0; deposit.
     #[serde(default)]
     pub variation: Option<Length>,
@@ -362,7 +368,7 @@ pub struct SnowTable {
     /// (this or `density`).
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Grain file (.ply with x, y, z, radius), relative to the scene file; file.
+    /// Grain file (.ply with x, y, z, radius, or one that `deposit` wrote), relative to the scene file; file.
     #[serde(default)]
     pub file: Option<String>,
 }

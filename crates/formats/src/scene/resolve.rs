@@ -5,6 +5,7 @@ mod checks;
 mod import;
 mod lights;
 mod objects;
+mod shapes;
 mod snow;
 mod surfaces;
 
@@ -97,6 +98,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
     let snow = snow::snow(&checks, bounded, grains)?;
+    let shapes = shapes::shapes(&checks, &mut files)?;
     let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;
     ice.impurities.extend(everywhere);
     if objects.is_empty() && snow.is_empty() {
@@ -117,6 +119,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         lights,
         objects,
         snow,
+        shapes,
         strata,
         integrator,
         light_finding,

@@ -4,8 +4,10 @@
 //! among grains, after the first few); [`Connector`] for light from one given point or direction.
 
 mod connect;
+mod samples;
 
 pub use connect::{Connection, Connector};
+pub use samples::Scattered;
 
 use crate::sphere::Impact;
 use crate::{Dielectric, fresnel};
@@ -24,10 +26,12 @@ const LEAST_LIGHT: f64 = 1e-6;
 ///
 /// Angles are told in the plane of the direction of arrival and the wanted direction, from the former
 /// towards the latter; lengths in radii.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ScatterTable {
     /// Of each bin, energy by solid angle, 1/sr; its integral over all directions is what leaves.
     densities: Vec<f32>,
+    /// Of each bin, the energy of it and of all before.
+    cumulative: Vec<f64>,
     /// Index of the first way of each bin, and one past the last.
     first: Vec<u32>,
     ways: Vec<Ways>,
@@ -128,6 +132,34 @@ impl ScatterTable {
         f64::from(self.densities[bin_of(cosine)])
     }
 
+    /// Sums up the energies of the bins.
+    fn accumulate(&mut self) {
+        let energy = |(bin, &density): (usize, &f32)| f64::from(density) * solid_angle_of_bin(bin);
+        let sums = self.densities.iter().enumerate().map(energy).scan(0.0, |sum, energy| {
+            *sum += energy;
+            Some(*sum)
+        });
+        self.cumulative = sums.collect();
+    }
+
+    /// A cosine of the scattering angle, as likely as its part of the light, and one of the ways to it; three
+    /// uniform numbers. `None` for light that does not leave, or goes straight on.
+    #[must_use]
+    pub fn sample(&self, random: [f64; 3]) -> Option<(f64, Way)> {
+        let bin = self.cumulative.partition_point(|&sum| sum <= random[0]);
+        let first = bin.checked_sub(1).map_or(0.0, |before| self.cumulative[before]);
+        let part = (random[0] - first) / (self.cumulative.get(bin)? - first);
+        // Evenly over the solid angle of the bin.
+        let [low, high] = [bin, bin + 1].map(|edge| edge as f64 / BINS as f64);
+        let half_sine2 = low * low + part * (high * high - low * low);
+        let cosine = 1.0 - 2.0 * half_sine2;
+        let way = self.way(
+            1.0 - 2.0 * (bin as f64 + 0.5) * (bin as f64 + 0.5) / (BINS * BINS) as f64,
+            [random[1], random[2]],
+        )?;
+        Some((cosine, way))
+    }
+
     /// One of the ways that make up the density at a cosine of the scattering angle, as likely as its
     /// part of it; two uniform numbers. `None` where there is none.
     #[must_use]
@@ -138,6 +170,12 @@ impl ScatterTable {
         let at = |[from, to]: [f32; 2]| f64::from(from) + random[1] * f64::from(to - from);
         ways.map(|ways| Way { entry: at(ways.entry), exit: at(ways.exit), length: at(ways.length) })
     }
+}
+
+/// Solid angle of a bin, sr.
+fn solid_angle_of_bin(bin: usize) -> f64 {
+    let edge = |bin: usize| bin as f64 / BINS as f64;
+    4.0 * PI * (edge(bin + 1) * edge(bin + 1) - edge(bin) * edge(bin))
 }
 
 /// The bin of a cosine of the scattering angle.
@@ -247,11 +285,8 @@ impl Collected {
     }
 
     fn into_table(self) -> ScatterTable {
-        let solid_angle = |bin: usize| {
-            let edge = |bin: usize| bin as f64 / BINS as f64;
-            4.0 * PI * (edge(bin + 1) * edge(bin + 1) - edge(bin) * edge(bin))
-        };
-        let mut table = ScatterTable { densities: Vec::new(), first: vec![0], ways: Vec::new() };
+        let mut table = ScatterTable::default();
+        table.first.push(0);
         for (bin, found) in self.bins.iter().enumerate() {
             let total: f64 = found.iter().map(|ways| ways.energy).sum();
             let mut sum = 0.0;
@@ -269,8 +304,9 @@ impl Collected {
                 last.cumulative = 1.0;
             }
             table.first.push(table.ways.len() as u32);
-            table.densities.push((total / solid_angle(bin)) as f32);
+            table.densities.push((total / solid_angle_of_bin(bin)) as f32);
         }
+        table.accumulate();
         table
     }
 }

@@ -27,6 +27,7 @@ fn scene(objects: Vec<ObjectDescription>, snow: Vec<SnowDescription>) -> SceneDe
         objects,
         snow,
         strata: Strata::default(),
+        shapes: Vec::new(),
         integrator: IntegratorKind::Grains,
         light_finding: LightFinding::Exact,
         packing: None,

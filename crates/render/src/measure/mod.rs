@@ -25,23 +25,23 @@ pub struct Estimate {
 
 /// Sums of a quantity and of its square.
 #[derive(Clone, Copy, Debug, Default)]
-struct Moments {
+pub(crate) struct Moments {
     sum: f64,
     sum_of_squares: f64,
 }
 
 impl Moments {
-    fn add(&mut self, value: f64) {
+    pub(crate) fn add(&mut self, value: f64) {
         self.sum += value;
         self.sum_of_squares += value * value;
     }
 
-    fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         self.sum += other.sum;
         self.sum_of_squares += other.sum_of_squares;
     }
 
-    fn estimate(&self, count: u64) -> Estimate {
+    pub(crate) fn estimate(&self, count: u64) -> Estimate {
         let n = count as f64;
         let mean = self.sum / n;
         let variance = (self.sum_of_squares / n - mean * mean).max(0.0);
@@ -51,7 +51,10 @@ impl Moments {
 
 /// Runs `task(first path, paths)` over all paths in parallel; the results come back in order, so
 /// that sums of floating-point numbers do not depend on the threads.
-fn in_tasks<Part: Send>(paths: u64, task: impl Fn(u64, u64) -> Part + Sync) -> Vec<Part> {
+pub(crate) fn in_tasks<Part: Send>(
+    paths: u64,
+    task: impl Fn(u64, u64) -> Part + Sync,
+) -> Vec<Part> {
     (0..paths.div_ceil(PATHS_PER_TASK))
         .into_par_iter()
         .map(|index| {

@@ -48,6 +48,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         })],
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
+        shapes: Vec::new(),
         light_finding: LightFinding::Exact,
         packing: None,
     }

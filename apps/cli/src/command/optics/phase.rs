@@ -12,7 +12,12 @@ use snowgrain_optics::{Dielectric, ice};
 /// Orders that are told one by one.
 const ORDERS: u32 = 6;
 
+mod shape;
+
 pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
+    if let Some(name) = arguments.shape.shape {
+        return shape::run(arguments, name);
+    }
     let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
     let medium = Dielectric { eta };
     let polarisation = arguments.polarisation.into();
@@ -46,12 +51,13 @@ pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
     };
     table.tell_with(&figures, arguments.format, arguments.output.as_deref())?;
     if let Some(file) = &arguments.plot {
-        plot::write(file, &charts(&table, eta, asymmetry))?;
+        let title = "Scattering by a sphere of ice, without diffraction";
+        plot::write(file, &charts(title, &table, [eta, asymmetry]))?;
     }
     Ok(0)
 }
 
-fn charts(table: &Table, eta: f64, asymmetry: f64) -> Charts {
+fn charts(title: &str, table: &Table, [eta, asymmetry]: [f64; 2]) -> Charts {
     let (lines, _) = lines_of(table, &[], |cell| {
         let number = |name: &str| cell(name)?.number();
         let middle = 0.5 * (number("from_deg")? + number("to_deg")?);
@@ -64,7 +70,7 @@ fn charts(table: &Table, eta: f64, asymmetry: f64) -> Charts {
         lines,
     };
     Charts {
-        title: "Scattering by a sphere of ice, without diffraction".into(),
+        title: title.into(),
         subtitle: format!("n = {}, g = {}", number(eta), number(asymmetry)),
         charts: vec![chart],
     }

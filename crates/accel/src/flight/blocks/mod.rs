@@ -19,7 +19,7 @@ use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use exit::CellShape;
 use fearless_simd::{Level, dispatch};
 use paths::{FirstGrains, GROUPS, Group, get, place_of, set};
-pub use probe::{Probe, ProbeAnswer, Probes};
+pub(super) use probe::BlockProbes;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 
@@ -259,6 +259,6 @@ impl<'a> BlockFlight<'a> {
 }
 
 /// A direction rounded to single precision, which the kernels keep at unit length.
-fn unit_f32(direction: DVec3) -> [f32; 3] {
+pub(super) fn unit_f32(direction: DVec3) -> [f32; 3] {
     direction.to_array().map(|v| v as f32)
 }

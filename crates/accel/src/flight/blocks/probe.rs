@@ -3,92 +3,33 @@
 //! They are tested as the paths of a flight are, sixteen grains a round and sixteen rays a step, but
 //! end at the first grain.
 
+use super::BlockFlight;
 use super::paths::{GROUP, get, set};
 use super::test::test_group;
 use super::update::{ProbedSets, probe_group};
-use super::{BlockFlight, unit_f32};
-use crate::flight::{FlightEvent, LANES};
+use crate::flight::{FlightEvent, LANES, Probe, ProbeAnswer};
 use crate::grain_grid::{GridPosition, RADIUS_MASK};
 use crate::{GrainGrid, SimdLevel, Surfaces};
 use fearless_simd::{Level, Simd, dispatch};
-use snowgrain_math::DVec3;
-
-/// A straight ray to be followed. Lengths in quanta.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Probe {
-    /// Where it starts.
-    pub start: GridPosition,
-    /// Unit direction.
-    pub direction: [f32; 3],
-    /// How far it goes.
-    pub length: f32,
-    /// Centre of the grain on whose surface it starts and that it leaves, relative to the cell of the
-    /// start: it must not start within another one.
-    pub leaves: Option<[f32; 3]>,
-}
-
-impl Probe {
-    /// From the surface of a grain, where its outward normal is `normal`, along the unit vector
-    /// `direction`. The grain's centre and radius are as [`ProbeAnswer::Met`] tells them. `None` beyond
-    /// the grid, where no grain is.
-    #[must_use]
-    pub fn leaving(
-        grid: &GrainGrid,
-        (center, radius): (GridPosition, f32),
-        normal: DVec3,
-        direction: DVec3,
-        length: f32,
-    ) -> Option<Self> {
-        let normal = unit_f32(normal);
-        let local = [0, 1, 2].map(|axis: usize| center.local[axis] + normal[axis] * radius);
-        let start = grid.settled(GridPosition { cell: center.cell, local })?;
-        let leaves = [0, 1, 2].map(|axis: usize| {
-            let cells = start.cell[axis] - center.cell[axis];
-            center.local[axis] - cells as f32 * grid.side[axis] as f32
-        });
-        Some(Self { start, direction: unit_f32(direction), length, leaves: Some(leaves) })
-    }
-
-    /// From a place in air.
-    #[must_use]
-    pub fn through_air(start: GridPosition, direction: DVec3, length: f32) -> Self {
-        Self { start, direction: unit_f32(direction), length, leaves: None }
-    }
-}
-
-/// What a probe found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ProbeAnswer {
-    /// Nothing: it left the grid or reached its length.
-    Clear,
-    /// Another grain covers its start.
-    Covered,
-    /// A grain.
-    Met {
-        /// How far away, quanta.
-        distance: f32,
-        /// Centre of the grain: a cell near it, and its place relative to that cell.
-        center: GridPosition,
-        /// Its radius, quanta.
-        radius: f32,
-    },
-}
 
 /// Straight rays in flight, up to [`LANES`].
 #[derive(Debug)]
-pub struct Probes<'a> {
+pub(in super::super) struct BlockProbes<'a> {
     flight: BlockFlight<'a>,
     level: Level,
     answers: Vec<(usize, ProbeAnswer)>,
 }
 
-impl<'a> Probes<'a> {
+impl<'a> BlockProbes<'a> {
     /// None in flight. `surfaces` are not looked at.
     ///
     /// # Panics
     /// If the machine does not have `level`.
-    #[must_use]
-    pub fn new(grid: &'a GrainGrid, surfaces: &'a Surfaces, level: SimdLevel) -> Self {
+    pub(in super::super) fn new(
+        grid: &'a GrainGrid,
+        surfaces: &'a Surfaces,
+        level: SimdLevel,
+    ) -> Self {
         Self {
             flight: BlockFlight::new(grid, surfaces, 1.0),
             level: level.token().expect("the SIMD level was checked when it was chosen"),
@@ -97,7 +38,11 @@ impl<'a> Probes<'a> {
     }
 
     /// Follows all `probes`; `answer` is told the index and the answer of each, in no order.
-    pub fn follow(&mut self, probes: &[Probe], mut answer: impl FnMut(usize, ProbeAnswer)) {
+    pub(in super::super) fn follow(
+        &mut self,
+        probes: &[Probe],
+        mut answer: impl FnMut(usize, ProbeAnswer),
+    ) {
         let mut next = 0;
         let mut of_lane = [0; LANES];
         let lanes = probes.len().min(LANES);
@@ -201,7 +146,7 @@ mod tests {
     use crate::Packing;
     use snowgrain_geometry::{Grain, Quantisation};
     use snowgrain_math::sampler::{PathKey, numbers};
-    use snowgrain_math::{Ray, frame};
+    use snowgrain_math::{DVec3, Ray, frame};
 
     const RADIUS: f64 = 0.5;
 
@@ -270,7 +215,7 @@ mod tests {
         for level in SimdLevel::available() {
             let mut counts = [0; 3];
             let mut seen = vec![false; probes.len()];
-            Probes::new(&grid, &surfaces, level).follow(&probes, |index, answer| {
+            BlockProbes::new(&grid, &surfaces, level).follow(&probes, |index, answer| {
                 assert!(!std::mem::replace(&mut seen[index], true), "one answer each");
                 let (nearest, length) = expected[index];
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-3;

@@ -367,6 +367,7 @@ fn note_arrivals(
             from: if arrives == 1 { ArrivalFrom::Air } else { ArrivalFrom::Ice },
             center: GridPosition { cell: get(&group.cell, at), local: center },
             radius: f32::from(bits & RADIUS_MASK),
+            shaped: None,
             overlaps: bits & OVERLAPS != 0,
             meets_surface: bits & MEETS_SURFACE != 0,
             to_middle: along(0) + along(1) + along(2),

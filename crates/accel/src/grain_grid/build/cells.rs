@@ -5,7 +5,8 @@ use super::batches::{HeldBrick, ReachingGrain};
 use super::overlap::{ListedGrains, mark_overlapping};
 use crate::grain_grid::block::{MEETS_SURFACE, OVERLAPS};
 use crate::grain_grid::packed_cells::{BRICK, CELLS_PER_BRICK};
-use crate::grain_grid::{Block, CellEntry, GRAINS_PER_BLOCK};
+use crate::grain_grid::shapes::SLACK;
+use crate::grain_grid::{Block, BlockShapes, CellEntry, GRAINS_PER_BLOCK};
 use crate::strata::BlockStrata;
 use fearless_simd::{Level, dispatch};
 use snowgrain_math::{Aabb, DVec3};
@@ -98,6 +99,7 @@ impl Packer<'_> {
         scratch: &mut Scratch,
     ) {
         let Scratch { listed, blocks, owners, overlapping } = scratch;
+        let slack = if self.words.is_empty() { 0 } else { SLACK };
         let mut starts = [0u32; CELLS_PER_BRICK];
         let mut needed = 0;
         for (start, &count) in starts.iter_mut().zip(counts) {
@@ -128,7 +130,7 @@ impl Packer<'_> {
                 let count = usize::from(count);
                 let range = start as usize..start as usize + count.div_ceil(GRAINS_PER_BLOCK);
                 let owners = &owners[range.clone()];
-                let cell = ListedGrains { blocks: &blocks[range], owners, count };
+                let cell = ListedGrains { blocks: &blocks[range], owners, count, slack };
                 mark_overlapping(simd, &cell, overlapping);
             }
         });
@@ -179,8 +181,8 @@ impl Packer<'_> {
         &self,
         brick: &HeldBrick,
         grains: &[ReachingGrain],
-        entries: &[CellEntry],
-        (blocks, strata, first): (&mut [Block], &mut [BlockStrata], usize),
+        (entries, first): (&[CellEntry], usize),
+        (blocks, strata, shapes): (&mut [Block], &mut [BlockStrata], &mut [BlockShapes]),
     ) {
         let cells = self.layout.cells_in_brick(self.layout.brick(brick.number as usize));
         let mut counts = [0u8; CELLS_PER_BRICK];
@@ -198,6 +200,9 @@ impl Packer<'_> {
                 blocks[at].set(slot % GRAINS_PER_BLOCK, local, grain.radius | flags);
                 if let Some(strata) = strata.get_mut(at) {
                     strata[slot % GRAINS_PER_BLOCK] = known >> STRATUM_SHIFT;
+                }
+                if let Some(shapes) = shapes.get_mut(at) {
+                    shapes[slot % GRAINS_PER_BLOCK] = self.words[grain.grain as usize];
                 }
             });
         }

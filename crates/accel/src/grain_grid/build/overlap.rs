@@ -30,6 +30,8 @@ pub(super) struct ListedGrains<'a> {
     pub(super) owners: &'a [[u32; GRAINS_PER_BLOCK]],
     /// Grains listed.
     pub(super) count: usize,
+    /// By how much larger than the grains each of two balls is.
+    pub(super) slack: u16,
 }
 
 /// Marks the grains of a cell that overlap another one of it.
@@ -46,7 +48,7 @@ pub(super) fn mark_overlapping<S: Simd>(_: S, cell: &ListedGrains<'_>, overlappi
         let radius = block.radius[slot];
         overlapping[owner] = cell.blocks.iter().enumerate().any(|(other, block)| {
             let but = if other == at { slot } else { GRAINS_PER_BLOCK };
-            overlaps_any(block, center, radius, but)
+            overlaps_any(block, center, (radius, TOUCH + 2 * cell.slack), but)
         });
     }
 }
@@ -54,11 +56,16 @@ pub(super) fn mark_overlapping<S: Simd>(_: S, cell: &ListedGrains<'_>, overlappi
 /// Whether a grain overlaps one of the block but that in slot `but`. Without a branch a slot, so
 /// that the compiler makes vectors of it.
 #[inline(always)]
-fn overlaps_any(block: &Block, center: [u16; 3], radius: u16, but: usize) -> bool {
+fn overlaps_any(
+    block: &Block,
+    center: [u16; 3],
+    (radius, most_touch): (u16, u16),
+    but: usize,
+) -> bool {
     let mut hits = [0u16; GRAINS_PER_BLOCK];
     for (slot, hit) in hits.iter_mut().enumerate() {
         let other = block.radius[slot];
-        let touch = TOUCH.min(radius.min(other) / 16);
+        let touch = most_touch.min(radius.min(other) / 16);
         let sum = radius + other - touch;
         let far = 2 * RADIUS_MASK + 1;
         let square = |a: u16, b: u16| {

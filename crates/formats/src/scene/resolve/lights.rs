@@ -130,7 +130,7 @@ fn refuse_points(checks: &Checks<'_>, lights: &[LightDescription]) -> Result<(),
     Err(checks.bad("integrator.light", mend))
 }
 
-/// How lights are found.
+/// How lights are found; never looked for where grains have shapes.
 pub(super) fn finding(
     checks: &Checks<'_>,
     lights: &[LightDescription],

@@ -128,7 +128,7 @@ fn object(
     Ok((ObjectDescription { name, shape, surface, transform, direct_view }, bounds))
 }
 
-fn mesh(
+pub(super) fn mesh(
     checks: &Checks<'_>,
     key: &str,
     file: &str,

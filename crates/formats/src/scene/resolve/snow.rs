@@ -23,6 +23,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "grains",
             "depth",
             "radius",
+            "shapes",
             "variation",
             "wetness",
             "impurities",
@@ -33,10 +34,17 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "area",
             "seed",
         ],
-        SnowSource::Lattice => {
-            &["lattice", "counts", "radius", "wetness", "impurities", "spacing", "density"]
-        }
-        SnowSource::File => &["file", "impurities"],
+        SnowSource::Lattice => &[
+            "lattice",
+            "counts",
+            "radius",
+            "shapes",
+            "wetness",
+            "impurities",
+            "spacing",
+            "density",
+        ],
+        SnowSource::File => &["file", "shapes", "impurities"],
         SnowSource::Pack => &[],
     }
 }
@@ -89,7 +97,10 @@ impl Body<'_> {
         let source = self.table.source;
         let own = keys_of(source);
         let path = format!("snow.{}", self.index);
-        let foreign = self.checks.written_keys(&path).find(|k| *k != "source" && !own.contains(k));
+        let written = self.checks.written_keys(&path);
+        // Keys within a list of tables are looked at there.
+        let mut written = written.filter(|key| !key.contains('.'));
+        let foreign = written.find(|k| *k != "source" && !own.contains(k));
         foreign.map_or(Ok(()), |name| {
             let owners: Vec<String> = [SnowSource::Deposit, SnowSource::Lattice, SnowSource::File]
                 .into_iter()

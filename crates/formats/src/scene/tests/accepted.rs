@@ -5,7 +5,7 @@ use super::{LEAST, meaning_of, read, triangle};
 use crate::scene::{
     LoadError, Loader, SceneFile, builtin_scene, builtin_scenes, furnace, resolve, schema,
 };
-use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Radii};
+use snowgrain_grains::{Amount, DepositRule, DepositSettings, LatticeKind, Orientation, Radii};
 use snowgrain_math::DVec3;
 use snowgrain_optics::{
     Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Metal, Primaries,
@@ -405,4 +405,28 @@ fn the_committed_schema_is_current() {
         "docs/scene.schema.json is stale; write it anew with \
          `cargo run --release -- schema > docs/scene.schema.json`"
     );
+}
+
+#[test]
+fn shapes_of_grains_mean_what_they_say() {
+    let text = format!(
+        "{LEAST}[[snow.shapes]]\nshape = \"hexagonal-plate\"\nfraction = 3\n\
+         orientation = \"horizontal\"\nspread = 5\n\
+         [[snow.shapes]]\nshape = \"rosette\"\narms = 4\naspect = 3\nrounding = 0.5\n\
+         [[light]]\nkind = \"sun\"\nelevation = 30\nazimuth = 0\n"
+    );
+    let scene = read(&text, &[]).unwrap();
+    assert!(matches!(scene.light_finding, LightFinding::Sampled(_)));
+    let shapes = scene.shapes_of(0).unwrap().shapes();
+    assert_eq!(shapes[0].shape.name(), "hexagonal-prism aspect 0.2 rounding 0");
+    assert_eq!(shapes[0].fraction, 3.0);
+    assert_eq!(shapes[0].orientation, Orientation::Horizontal { spread_degrees: 5.0 });
+    assert_eq!(shapes[1].shape.name(), "rosette arms 4 aspect 3 rounding 0.5");
+    assert_eq!((shapes[1].fraction, shapes[1].orientation), (1.0, Orientation::Random));
+    let spheres = format!(
+        "{LEAST}[[snow.shapes]]\nshape = \"sphere\"\n[[light]]\nkind = \"sun\"\nelevation = 30\nazimuth = 0\n"
+    );
+    let scene = read(&spheres, &[]).unwrap();
+    assert!(scene.shapes_of(0).is_none() && !scene.has_shapes());
+    assert!(matches!(scene.light_finding, LightFinding::Sampled(_)));
 }

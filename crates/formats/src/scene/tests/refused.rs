@@ -28,11 +28,42 @@ fn unknown_keys_suggest_the_nearest() {
     assert_eq!(
         in_snow("temperature = -3"),
         "folder/scene.toml:13: snow.0.temperature: unknown key; known here: area, counts, density, \
-         depth, direction, file, grains, impurities, lattice, max_slope, radius, rule, seed, source, spacing, variation, \
-         wetness"
+         depth, direction, file, grains, impurities, lattice, max_slope, radius, rule, seed, shapes, source, spacing, \
+         variation, wetness"
     );
     let long = instead("[camera]", &format!("[{}]", "x".repeat(10_000)));
     assert!(long.len() < 300, "{long}");
+}
+
+#[test]
+fn shapes_that_mean_nothing_are_refused_by_their_key() {
+    let shape = |lines: &str| in_snow(&format!("[[snow.shapes]]\n{lines}"));
+    assert_eq!(
+        shape("shape = \"cube\"\nroundng = 0.5"),
+        "folder/scene.toml:15: snow.0.shapes.0.roundng: unknown key; did you mean \
+         `snow.0.shapes.0.rounding`?"
+    );
+    for (lines, key) in [
+        ("shape = \"hexagon\"", "snow.0.shapes.0.shape"),
+        ("shape = \"cube\"\naspect = 2", "snow.0.shapes.0.aspect"),
+        ("shape = \"cube\"\nspread = 2", "snow.0.shapes.0.spread"),
+        ("shape = \"cube\"\nrounding = 2", "snow.0.shapes.0.rounding"),
+        ("shape = \"spheroid\"\naspect = 0", "snow.0.shapes.0.aspect"),
+        ("shape = \"hexagonal-plate\"\naspect = 2", "snow.0.shapes.0.aspect"),
+        ("shape = \"hexagonal-column\"\naspect = 0.5", "snow.0.shapes.0.aspect"),
+        ("shape = \"random-polyhedron\"\nfaces = 5", "snow.0.shapes.0.faces"),
+        ("shape = \"rosette\"\narms = 1", "snow.0.shapes.0.arms"),
+        ("shape = \"sphere\"\nfraction = -1", "snow.0.shapes.0.fraction"),
+        ("shape = \"cube\"\norientation = \"aligned\"\naxis = [0, 0, 0]", "snow.0.shapes.0.axis"),
+        ("shape = \"cube\"\norientation = \"horizontal\"\nspread = 91", "snow.0.shapes.0.spread"),
+        ("shape = \"mesh\"", "snow.0.shapes.0.file"),
+        // The mesh that tests read is one triangle.
+        ("shape = \"mesh\"\nfile = \"crystal.obj\"", "snow.0.shapes.0.file"),
+    ] {
+        let message = shape(lines);
+        assert!(message.starts_with("folder/scene.toml:1"), "{message}");
+        assert!(message.contains(key), "{key}: {message}");
+    }
 }
 
 #[test]
@@ -223,7 +254,7 @@ fn keys_of_one_source_are_refused_on_another() {
         in_snow("lattice = \"fcc\""),
         "folder/scene.toml:13: snow.0.lattice = \"fcc\": not a key of source = \"deposit\" but of \
          \"lattice\"; remove it or change the source (deposit takes: grains, depth, radius, \
-         variation, wetness, impurities, density, rule, max_slope, direction, area, seed)"
+         shapes, variation, wetness, impurities, density, rule, max_slope, direction, area, seed)"
     );
     assert!(
         instead("\"deposit\"", "\"lattice\"")

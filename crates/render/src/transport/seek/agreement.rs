@@ -59,8 +59,8 @@ impl Tally {
                 if holds(&class) {
                     let gain = gains.gain(&class);
                     met += self.escaped[cell] as f64;
-                    found += gain * self.found[cell] as f64;
-                    variance += self.escaped[cell] as f64 + gain * gain * self.squares[cell] as f64;
+                    found += gain * self.found_in(cell);
+                    variance += self.escaped[cell] as f64 + gain * gain * self.squares_in(cell);
                 }
             }
             let (bias, standard_error) = (found / met - 1.0, variance.sqrt() / met);

@@ -27,6 +27,8 @@ use snowgrain_optics::{Dielectric, fresnel};
 const TASK: u64 = 1 << 14;
 /// What tells their random numbers from those of the picture.
 const STREAM: u64 = 0xca11_b7a7_e5ee_d000;
+/// What tells further random numbers of a way from its first.
+const SECOND: u32 = 0x2ec0_0d5e;
 /// The same of paths that only compare.
 const CHECK: u64 = 0xc0a9_a7e5_7e57_0000;
 impl LightSearch {
@@ -115,9 +117,10 @@ impl Seeker<'_> {
         let key = search_key(state.key);
         let random = numbers(key, visit.event).map(f64::from);
         let medium = self.search.medium;
-        let turn = match visit.from {
-            ArrivalFrom::Air => turn_from_air(medium, random),
-            ArrivalFrom::Ice => turn_from_ice(medium, random),
+        let turn = match (visit.from, last.prototype) {
+            (ArrivalFrom::Air, None) => turn_from_air(medium, random),
+            (ArrivalFrom::Air, Some(_)) => self.turn_of_shape(visit, last, (random, key)),
+            (ArrivalFrom::Ice, _) => turn_from_ice(medium, random),
         };
         let Some([entry, exit, leaves]) = turn else { return };
         let (s, t) = frame::tangents(last.direction);
@@ -138,7 +141,23 @@ impl Seeker<'_> {
             event: visit.event,
         });
         let towards = (direction, f64::INFINITY, None);
-        self.want(visit, at(exit), towards, Brings::Count(class), beginning);
+        self.want(visit, (at(exit), visit.radius), towards, Brings::Count(class), beginning);
+    }
+}
+
+impl Seeker<'_> {
+    /// The same as [`turn_from_air`] of a grain of a shape.
+    fn turn_of_shape(
+        &self,
+        visit: &GrainVisit,
+        last: &LastArrival,
+        (random, key): ([f64; 3], PathKey),
+    ) -> Option<[f64; 3]> {
+        let key = PathKey { lo: key.lo ^ SECOND, ..key };
+        let [which, place, _] = numbers(key, visit.event).map(f64::from);
+        let table = self.search.table(visit.from, last.prototype);
+        let (cosine, way) = table.sample([random[0], which, place])?;
+        Some([way.entry, way.exit, trig::acos(cosine.clamp(-1.0, 1.0))])
     }
 }
 

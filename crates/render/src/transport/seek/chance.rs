@@ -37,16 +37,21 @@ impl Seeker<'_> {
     /// Books the light that a path meets where it ends; that which the camera sees directly at infinity
     /// is not here.
     pub(in super::super) fn at_end(&mut self, trail: &mut Trail, met: Met, path: &PathResult) {
-        let order = trail.order(path.grain_visits);
+        let direction = match met {
+            Met::Infinity(direction) | Met::Surface { direction, .. } => direction,
+        };
+        trail.turned = trail.turned_before(direction);
+        // Grains that let it straight through do not count.
+        let order = trail.turned.map_or(0, |turned| turned.order);
         if let Some(tally) = &mut self.tally {
-            if let (Met::Infinity(direction), Some(last)) = (met, trail.last) {
-                let ways = [last.direction, direction];
-                tally.escaped(&Class::new((last.from, order), trail.seen_along, ways));
+            if let (Met::Infinity(direction), Some(turned)) = (met, trail.turned) {
+                let ways = [turned.direction, direction];
+                tally.escaped(&Class::new((turned.from, order), trail.seen_along, ways));
             }
             return;
         }
         match met {
-            Met::Infinity(_) if order == 0 && trail.vertex == Vertex::Camera => {}
+            Met::Infinity(_) if path.grain_visits == 0 && trail.vertex == Vertex::Camera => {}
             Met::Infinity(_) => {
                 for light in 0..self.search.lights.count() {
                     self.book(trail, light, met, (path, order));
@@ -106,19 +111,26 @@ impl Seeker<'_> {
         (path, order): (&PathResult, u32),
     ) -> Chance<'_> {
         let search = self.search;
-        match (order, trail.vertex, trail.last) {
+        match (order, trail.vertex, trail.turned) {
             (0, Vertex::Surface(position, scatterer), _) => {
                 Chance::Beside(&search.late, position, scatterer.density(direction))
             }
             (0, _, _) => Chance::All(&search.lights),
             (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {
-                let solved = order == 1 && trail.vertex == Vertex::Camera && is_solved(trail, path);
-                if solved { Chance::Nothing } else { Chance::All(&search.wide) }
+                let first = order == 1 && trail.vertex == Vertex::Camera;
+                let shaped = trail.turned.is_some_and(|turned| turned.prototype.is_some());
+                match first {
+                    true if is_solved(trail, path) => Chance::Nothing,
+                    // Chance finds what a face mirrors as often as it finds the face.
+                    true if shaped => Chance::All(&search.lights),
+                    _ => Chance::All(&search.wide),
+                }
             }
             (_, _, None) => Chance::All(&search.lights),
-            (_, _, Some(last)) => {
-                let density = search.table(last.from).density(last.direction.dot(direction));
-                Chance::Beside(search.sought_at(order), last.center, density)
+            (_, _, Some(turned)) => {
+                let table = search.table(turned.from, turned.prototype);
+                let density = table.density(turned.direction.dot(direction));
+                Chance::Beside(search.sought_at(order), turned.center, density)
             }
         }
     }
@@ -126,7 +138,8 @@ impl Seeker<'_> {
 
 /// Whether a path that left the first grain did so by a way that was solved.
 fn is_solved(trail: &Trail, path: &PathResult) -> bool {
-    // A reflection outside is one interface, p chords are p + 1.
-    let chords = path.interface_events.saturating_sub(1);
+    // A reflection outside is one interface, p chords are p + 1; a grain that lets light straight through has two.
+    let straight = 2 * path.grain_visits.saturating_sub(trail.visits_before + 1);
+    let chords = path.interface_events.saturating_sub(1 + straight);
     !trail.through_ice && trail.solved_orders.is_some_and(|solved| chords <= solved)
 }

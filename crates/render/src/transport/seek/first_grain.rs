@@ -159,7 +159,7 @@ impl Seeker<'_> {
                     ice_in_strata,
                 });
                 let towards = (sample.direction, sample.distance, None);
-                self.want(visit, solution.exit, towards, brings, None);
+                self.want(visit, (solution.exit, visit.radius), towards, brings, None);
             }
         }
     }

@@ -31,6 +31,8 @@ pub(super) const CELLS: usize = WAYS * HEIGHTS * VIEWS;
 const PRIOR: f64 = 4.0;
 /// Ways of which a search finds less than a part of so many are left to the others: it does not know them.
 const MOST: f64 = 4.0;
+/// What whole numbers of found ways are counted in parts of: sums are then the same in any order.
+const UNIT: f64 = 1024.0;
 /// Times that all factors are fitted: the counts then agree to 1e-6.
 const ROUNDS: usize = 40;
 
@@ -136,9 +138,9 @@ impl Gains {
 /// Counts of ways that a search finds, and of those by which paths escape.
 #[derive(Clone, Debug)]
 pub(super) struct Tally {
-    /// Sums of the times that a way stands for, and of their squares.
-    pub(super) found: Vec<u64>,
-    pub(super) squares: Vec<u64>,
+    /// Sums of the times that a way stands for, and of their squares, in parts of so many ([`UNIT`]).
+    found: Vec<u64>,
+    squares: Vec<u64>,
     pub(super) escaped: Vec<u64>,
 }
 
@@ -149,9 +151,20 @@ impl Default for Tally {
 }
 
 impl Tally {
-    pub(super) fn found(&mut self, class: &Class, times: u32) {
-        self.found[class.cell()] += u64::from(times);
-        self.squares[class.cell()] += u64::from(times) * u64::from(times);
+    /// A way that is found and stands for so many.
+    pub(super) fn found(&mut self, class: &Class, times: f64) {
+        self.found[class.cell()] += (times * UNIT) as u64;
+        self.squares[class.cell()] += (times * times * UNIT) as u64;
+    }
+
+    /// How many ways of a cell are found.
+    pub(super) fn found_in(&self, cell: usize) -> f64 {
+        self.found[cell] as f64 / UNIT
+    }
+
+    /// The sum of the squares of what they stand for.
+    pub(super) fn squares_in(&self, cell: usize) -> f64 {
+        self.squares[cell] as f64 / UNIT
     }
 
     pub(super) fn escaped(&mut self, class: &Class) {
@@ -175,7 +188,7 @@ impl Tally {
         let mut gains = Gains::default();
         for _ in 0..ROUNDS {
             for (index, factor) in Factor::ALL.into_iter().enumerate() {
-                let found = sums(factor, |cell, class| self.found[cell] as f64 * gains.gain(class));
+                let found = sums(factor, |cell, class| self.found_in(cell) * gains.gain(class));
                 for (gain, (wanted, found)) in
                     gains.0[index].iter_mut().zip(wanted[index].iter().zip(found))
                 {
@@ -190,7 +203,7 @@ impl Tally {
 
     /// Gives the light of ways that a search hardly knows to the others after as many grains.
     fn leave_unknown_ways(&self, wanted: &mut [f64]) {
-        let found = sums(Factor::Way, |cell, _| self.found[cell] as f64);
+        let found = sums(Factor::Way, |cell, _| self.found_in(cell));
         let ways_of =
             |order: usize| (0..WAYS).filter(move |way| way / ANGLES % ORDERS.len() == order);
         for order in 0..ORDERS.len() {
@@ -240,8 +253,8 @@ mod tests {
         let mut tally = Tally::default();
         for cell in 0..CELLS {
             let class = Class::of_cell(cell);
-            tally.found[cell] = 4_000 + (cell * 7919 % 9_000) as u64;
-            tally.escaped[cell] = (tally.found[cell] as f64 * truth(&class)).round() as u64;
+            tally.found[cell] = (4_000 + (cell * 7919 % 9_000) as u64) << 10;
+            tally.escaped[cell] = (tally.found_in(cell) * truth(&class)).round() as u64;
         }
         let gains = tally.gains();
         for cell in 0..CELLS {
@@ -258,15 +271,14 @@ mod tests {
         for cell in 0..CELLS {
             let class = Class::of_cell(cell);
             tally.escaped[cell] = 1_000;
-            tally.found[cell] = if class.way % ANGLES == 5 { 0 } else { 1_000 };
+            tally.found[cell] = if class.way % ANGLES == 5 { 0 } else { 1_000 << 10 };
         }
         let gains = tally.gains();
         for height in 0..HEIGHTS {
             let cells = || (0..CELLS).filter(|&cell| Class::of_cell(cell).height == height);
             let escaped: f64 = cells().map(|cell| tally.escaped[cell] as f64).sum();
-            let found: f64 = cells()
-                .map(|cell| tally.found[cell] as f64 * gains.gain(&Class::of_cell(cell)))
-                .sum();
+            let found: f64 =
+                cells().map(|cell| tally.found_in(cell) * gains.gain(&Class::of_cell(cell))).sum();
             assert!((found / escaped - 1.0).abs() < 1e-3, "{height}: {found} {escaped}");
         }
     }

@@ -30,7 +30,7 @@ impl Seeker<'_> {
             return;
         };
         let [survival, which, place] = numbers(key, 2 * visit.event + 1).map(f64::from);
-        let table = search.table(visit.from);
+        let table = search.table(visit.from, last.prototype);
         let cosine = last.direction.dot(sample.direction);
         let density = table.density(cosine);
         let chance = (density / ALWAYS).min(1.0);
@@ -61,23 +61,22 @@ impl Seeker<'_> {
             key,
             event: visit.event,
         });
-        self.want(visit, normal(way.exit), towards, brings, beginning);
+        self.want(visit, (normal(way.exit), visit.radius), towards, brings, beginning);
     }
 
-    /// Sends a shadow ray from the grain, where its outward normal is `normal`, in a direction over a
-    /// distance to a lamp.
+    /// Sends a shadow ray from the grain, from so many quanta off its centre along a unit vector, in a direction
+    /// over a distance to a lamp.
     pub(super) fn want(
         &mut self,
         visit: &GrainVisit,
-        normal: DVec3,
+        (along, reach): (DVec3, f32),
         (direction, distance, lamp): (DVec3, f64, Option<u32>),
         brings: Brings,
         beginning: Option<Beginning>,
     ) {
         let grid = &self.world.grid;
-        let stored = (visit.center, visit.radius);
         let length = self.quanta(distance);
-        if let Some(probe) = Probe::leaving(grid, stored, normal, direction, length) {
+        if let Some(probe) = Probe::leaving(grid, (visit.center, reach), along, direction, length) {
             let ray = Ray::new(grid.world(probe.start), direction);
             self.rays.push(probe);
             let lane = visit.lane;

@@ -20,6 +20,7 @@ mod agreement;
 pub mod calibrate;
 mod chance;
 mod first_grain;
+mod first_shape;
 mod gains;
 mod grains;
 mod shadow;
@@ -31,12 +32,14 @@ pub(super) use surfaces::Bounce;
 
 use super::Contribution;
 use crate::camera::{Bundle, Camera};
+use crate::laboratory::scattered;
 use crate::light::{LightRole, Lights};
 use crate::surface::Scatterer;
 use crate::world::World;
 use gains::{Gains, Tally};
 use shadow::{Origin, Wanted};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
+use snowgrain_geometry::Shape;
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
@@ -61,6 +64,13 @@ const ORIGINS_ASKED: u32 = 5;
 /// Grains at which suns are not looked for at random places.
 const GRAINS_BEFORE_SUNS: u32 = 2;
 
+/// Paths that are followed through a lone grain of each shape, and their seed.
+const SHAPE_PATHS: u64 = 1 << 21;
+const SHAPE_SEED: u64 = 0x5ea_2c4ed;
+
+/// Less the cosine of an angle that light was not turned by.
+const STRAIGHT: f64 = 1e-9;
+
 /// What tells the random numbers of a search from those of its path.
 const SEARCH: u32 = 0x5eed_1194;
 
@@ -79,6 +89,8 @@ pub struct LightSearch {
     wide: Lights,
     medium: Dielectric,
     from_air: ScatterTable,
+    /// Of each prototype that grains have, in all orientations alike.
+    of_shapes: Vec<ScatterTable>,
     from_ice: ScatterTable,
     connector: Connector,
     gains: Gains,
@@ -111,6 +123,7 @@ impl LightSearch {
             is_sought,
             medium,
             from_air: ScatterTable::for_air(medium),
+            of_shapes: Vec::new(),
             from_ice: ScatterTable::for_ice(medium),
             connector: Connector::new(medium, SOLVED_ORDERS),
             gains: Gains::default(),
@@ -122,10 +135,21 @@ impl LightSearch {
         if order > GRAINS_BEFORE_SUNS { &self.late } else { &self.early }
     }
 
-    fn table(&self, from: ArrivalFrom) -> &ScatterTable {
-        match from {
-            ArrivalFrom::Air => &self.from_air,
-            ArrivalFrom::Ice => &self.from_ice,
+    /// The same search among grains of these shapes too, of which light is followed through lone ones.
+    #[must_use]
+    pub fn among(self, prototypes: &[Shape], level: SimdLevel) -> Self {
+        let table = |shape: &Shape| {
+            let paths = (SHAPE_PATHS, SHAPE_SEED);
+            ScatterTable::of_samples(&scattered(shape, self.medium.eta, paths, level))
+        };
+        Self { of_shapes: prototypes.iter().map(table).collect(), ..self }
+    }
+
+    fn table(&self, from: ArrivalFrom, prototype: Option<usize>) -> &ScatterTable {
+        match (from, prototype) {
+            (ArrivalFrom::Air, Some(prototype)) => &self.of_shapes[prototype],
+            (ArrivalFrom::Air, None) => &self.from_air,
+            (ArrivalFrom::Ice, _) => &self.from_ice,
         }
     }
 }
@@ -166,8 +190,9 @@ pub(super) struct Trail {
     vertex: Vertex,
     /// Arrivals at grains from air before the vertex.
     visits_before: u32,
-    /// Since the vertex.
+    /// The last arrival since the vertex, and the last one of a grain that turned the path.
     last: Option<LastArrival>,
+    turned: Option<LastArrival>,
     /// Of the first grain from the camera, the orders that were solved.
     solved_orders: Option<u32>,
     /// Whether the path went from grain to grain through ice since the vertex.
@@ -179,6 +204,10 @@ pub(super) struct Trail {
 #[derive(Clone, Copy, Debug)]
 struct LastArrival {
     from: ArrivalFrom,
+    /// Which grain since the vertex it is.
+    order: u32,
+    /// The prototype of the grain, where it has a shape.
+    prototype: Option<usize>,
     direction: DVec3,
     /// Centre of the grain.
     center: DVec3,
@@ -192,6 +221,14 @@ impl Trail {
         let mut contributions = std::mem::take(&mut self.contributions);
         contributions.clear();
         *self = Self { view, seen_along, contributions, ..Self::default() };
+    }
+
+    /// The last grain that turned the path, which goes on along a direction: light goes straight through
+    /// faces that are parallel, and shadow rays do so, too.
+    fn turned_before(&self, direction: DVec3) -> Option<LastArrival> {
+        let last = self.last?;
+        let straight = last.prototype.is_some() && 1.0 - last.direction.dot(direction) < STRAIGHT;
+        if straight { self.turned } else { Some(last) }
     }
 
     /// How many grains the path has met since the vertex, of `grain_visits` in all.
@@ -231,7 +268,7 @@ impl<'a> Seeker<'a> {
             world,
             camera,
             search,
-            probes: Probes::new(&world.grid, &world.surfaces, level),
+            probes: Probes::new(&world.grid, &world.surfaces, world.eta, level),
             rays: Vec::new(),
             wanted: Vec::new(),
             tally: None,
@@ -250,10 +287,13 @@ impl<'a> Seeker<'a> {
             let order = trail.order(visit.grain_visits);
             let last = LastArrival {
                 from: visit.from,
+                order,
+                prototype: visit.shaped.map(|shaped| shaped.shape.prototype()),
                 direction: DVec3::from_array(visit.direction.map(f64::from)).normalize(),
                 center: self.world.grid.world(visit.center),
                 origin: match visit.from {
                     ArrivalFrom::Ice => None,
+                    ArrivalFrom::Air if visit.shaped.is_some() => None,
                     ArrivalFrom::Air if order == 1 && trail.vertex == Vertex::Camera => {
                         Some(Origin::Open)
                     }
@@ -261,6 +301,7 @@ impl<'a> Seeker<'a> {
                     ArrivalFrom::Air => Some(Origin::Matter),
                 },
             };
+            trail.turned = trail.turned_before(last.direction);
             trail.last = Some(last);
             trail.from_ice = match visit.from {
                 ArrivalFrom::Air => 0,
@@ -276,7 +317,10 @@ impl<'a> Seeker<'a> {
             }
             self.at_random_place(visit, &last, (order, trail.seen_along), &state);
             if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air {
-                self.at_first_grain(visit, trail, &state);
+                match &visit.shaped {
+                    Some(shaped) => self.at_first_shape((visit, shaped), trail, &state),
+                    None => self.at_first_grain(visit, trail, &state),
+                }
             }
         }
         self.follow_shadow_rays(trails);

@@ -12,7 +12,7 @@ use super::gains::Class;
 use super::{Seeker, Trail};
 use crate::transport::Contribution;
 use core::f64::consts::TAU;
-use snowgrain_accel::{GridPosition, Probe, ProbeAnswer};
+use snowgrain_accel::{GridPosition, Passage, Probe, ProbeAnswer};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame, trig};
 
@@ -78,38 +78,60 @@ impl Beginning {
 impl Seeker<'_> {
     /// Follows the shadow rays that wait, and books what those bring that are clear.
     pub(super) fn follow_shadow_rays(&mut self, trails: &mut [Trail]) {
-        let clear = self.clear_rays();
+        let passages = self.clear_rays();
         self.rays.clear();
         let wanted = std::mem::take(&mut self.wanted);
-        let mut weights: Vec<u32> = clear.iter().map(|&clear| u32::from(clear)).collect();
+        let mut weights: Vec<u32> = passages.iter().map(|rays| u32::from(rays.is_some())).collect();
         self.weigh_beginnings(&wanted, &mut weights);
-        for (wanted, weight) in wanted.into_iter().zip(weights) {
-            if weight == 0 {
-                continue;
-            }
+        for ((wanted, weight), passage) in wanted.into_iter().zip(weights).zip(passages) {
+            let Some(passage) = passage.filter(|_| weight > 0) else { continue };
             match (wanted.brings, &mut self.tally) {
-                (Brings::Light(mut light), _) => {
-                    light.weight = light.weight.map(|channel| channel * weight as f32);
+                (Brings::Light(light), _) => {
+                    let light = self.behind(light, weight, &passage);
                     trails[wanted.lane].contributions.push(light);
                 }
-                (Brings::Count(class), Some(tally)) => tally.found(&class, weight),
+                (Brings::Count(class), Some(tally)) => {
+                    tally.found(&class, f64::from(weight) * f64::from(passage.transmittance));
+                }
                 (Brings::Count(_), None) => {}
             }
         }
     }
 
-    /// Which of the shadow rays that wait nothing is in the way of.
-    fn clear_rays(&mut self) -> Vec<bool> {
-        let mut clear = vec![false; self.rays.len()];
-        self.probes.follow(&self.rays, |index, answer| clear[index] = answer == ProbeAnswer::Clear);
+    /// Light so many times, after what its shadow ray went straight through.
+    fn behind(&self, mut light: Contribution, weight: u32, passage: &Passage) -> Contribution {
+        let factor = weight as f32 * passage.transmittance;
+        light.weight = light.weight.map(|channel| channel * factor);
+        if passage.ice_length > 0.0 {
+            let metres = |quanta: f32| f64::from(quanta) * self.world.grid.quantum();
+            light.ice_length += metres(passage.ice_length);
+            for (length, more) in light.ice_in_strata.iter_mut().zip(passage.ice_in_strata) {
+                *length += metres(more);
+            }
+        }
+        light
+    }
+
+    /// How those of the shadow rays that wait get through that nothing is in the way of.
+    fn clear_rays(&mut self) -> Vec<Option<Passage>> {
+        let mut clear = vec![None; self.rays.len()];
+        self.probes.follow(&self.rays, |index, answer| {
+            clear[index] = match answer {
+                ProbeAnswer::Clear => Some(Passage { transmittance: 1.0, ..Passage::default() }),
+                ProbeAnswer::Through(passage) => Some(passage),
+                ProbeAnswer::Met { .. } | ProbeAnswer::Covered => None,
+            };
+        });
         let surfaces = &self.world.surfaces;
         if surfaces.is_empty() {
             return clear;
         }
         for (clear, wanted) in clear.iter_mut().zip(&self.wanted) {
-            if *clear {
+            if clear.is_some() {
                 let hit = surfaces.intersect(&wanted.ray, wanted.distance, None);
-                *clear = hit.is_none_or(|hit| wanted.lamp == Some(hit.id.object));
+                if hit.is_some_and(|hit| wanted.lamp != Some(hit.id.object)) {
+                    *clear = None;
+                }
             }
         }
         clear
@@ -164,7 +186,7 @@ impl Seeker<'_> {
         }
         self.probes.follow(&rays, |ray, answer| {
             seen[of_ray[ray]] = match answer {
-                ProbeAnswer::Clear => Origin::Open,
+                ProbeAnswer::Clear | ProbeAnswer::Through(_) => Origin::Open,
                 ProbeAnswer::Met { .. } => Origin::Matter,
                 ProbeAnswer::Covered => Origin::Covered,
             };

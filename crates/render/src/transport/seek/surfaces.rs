@@ -35,7 +35,7 @@ impl Seeker<'_> {
         let trail = &mut trails[bounce.lane];
         trail.visits_before = bounce.grain_visits;
         trail.through_ice = false;
-        trail.last = None;
+        (trail.last, trail.turned) = (None, None);
         if bounce.in_ice {
             trail.vertex = Vertex::SurfaceInIce;
             return;

@@ -1,0 +1,79 @@
+//! `snowgrain optics phase --shape`.
+
+use super::super::plot;
+use super::super::table::{Cell, Table};
+use super::charts;
+use crate::arguments::{PhaseArguments, ShapeName};
+use crate::failure::Failure;
+use crate::threads;
+use snowgrain_accel::SimdLevel;
+use snowgrain_geometry::{Shape, ShapeKind};
+use snowgrain_math::trig;
+use snowgrain_optics::ice;
+use snowgrain_render::laboratory::{Scattering, scattering};
+
+pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Failure> {
+    let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
+    let typed = &arguments.shape;
+    let shape =
+        Shape::new(kind(arguments, name)).map_err(|error| Failure::usage(format!("--{error}")))?;
+    let level = typed.machine.simd.unwrap_or_else(SimdLevel::detect);
+    let bins = usize::from(arguments.bins);
+    let pool = threads::pool(&typed.machine)?;
+    let found = pool.install(|| scattering(&shape, eta, bins, (typed.paths, typed.seed), level));
+    let figures = [
+        ("refractive_index", eta),
+        ("g", found.asymmetry.mean),
+        ("g_standard_error", found.asymmetry.standard_error),
+        ("B", found.enhancement.mean),
+        ("B_standard_error", found.enhancement.standard_error),
+        ("interfaces_per_visit", found.interface_events.mean),
+        ("projected_area_r2", found.projected_area.mean),
+        ("projected_area_standard_error", found.projected_area.standard_error),
+        ("surface_area_r2", shape.surface_area()),
+    ];
+    let table = table(&found);
+    table.tell_with(&figures, arguments.format, arguments.output.as_deref())?;
+    if let Some(file) = &arguments.plot {
+        let title = format!("Scattering by {}, without diffraction", shape.name());
+        plot::write(file, &charts(&title, &table, [eta, found.asymmetry.mean]))?;
+    }
+    Ok(0)
+}
+
+fn kind(arguments: &PhaseArguments, name: ShapeName) -> ShapeKind {
+    let typed = &arguments.shape;
+    let (rounding, aspect) = (typed.rounding, |default: f64| typed.aspect.unwrap_or(default));
+    match name {
+        ShapeName::Sphere => ShapeKind::Sphere,
+        ShapeName::Spheroid => ShapeKind::Spheroid { aspect: aspect(1.0) },
+        ShapeName::Cube => ShapeKind::Cube { rounding },
+        ShapeName::HexagonalPlate => ShapeKind::HexagonalPrism { aspect: aspect(0.2), rounding },
+        ShapeName::HexagonalColumn => ShapeKind::HexagonalPrism { aspect: aspect(2.0), rounding },
+        ShapeName::HexagonalPrism => ShapeKind::HexagonalPrism { aspect: aspect(1.0), rounding },
+        ShapeName::TruncatedOctahedron => ShapeKind::TruncatedOctahedron { rounding },
+        ShapeName::RandomPolyhedron => {
+            ShapeKind::RandomPolyhedron { faces: typed.faces, seed: typed.seed, rounding }
+        }
+        ShapeName::Rosette => {
+            ShapeKind::Rosette { arms: typed.arms, aspect: aspect(2.0), rounding }
+        }
+    }
+}
+
+fn table(found: &Scattering) -> Table {
+    let bins = found.energy_by_angle.len();
+    let edge = |bin: usize| 180.0 * bin as f64 / bins as f64;
+    let cosine = |degrees: f64| trig::sin_cos(degrees.to_radians()).1;
+    let row = |(bin, energy): (usize, &snowgrain_render::measure::Estimate)| {
+        let [from, to] = [edge(bin), edge(bin + 1)];
+        let per_energy = 2.0 / (cosine(from) - cosine(to));
+        [from, to, energy.mean, per_energy * energy.mean, per_energy * energy.standard_error]
+            .map(Cell::Number)
+            .to_vec()
+    };
+    Table {
+        names: vec!["from_deg", "to_deg", "energy", "phase_function", "standard_error"],
+        rows: found.energy_by_angle.iter().enumerate().map(row).collect(),
+    }
+}

@@ -1,0 +1,306 @@
+//! Light among packed grains of any shape.
+//!
+//! The bounding spheres of a block say which of its grains a path may meet (SIMD over the grains); each of
+//! those is then met exactly, in double precision and in its own space, by one interval for each of its convex
+//! parts. The interval decides both entering and leaving, as that of spheres does in `blocks`; ice is the
+//! union of all parts. What a path stands on is known by identity: a part that was left is not met again (it
+//! is convex), and the face on which a chord begins is not where it ends.
+
+mod air;
+mod body;
+mod chain;
+mod ice;
+mod interface;
+mod lane;
+mod near;
+mod probe;
+
+pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
+
+pub(super) use probe::ShapeProbes;
+
+use super::visit::{ArrivalFrom, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
+use super::{FirstGrain, FlightEvent, LANES, Travelled};
+use crate::grain_grid::{GridPosition, GridShapes, ShapeWord, Storage};
+use crate::prefetch::prefetch;
+use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
+use body::NOWHERE;
+use fearless_simd::{Level, Simd, dispatch};
+use interface::Interface;
+use lane::{Cells, Inside, Lane, Phase};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::{DVec3, Ray};
+
+/// Paths that move on together, while those of another group wait for memory.
+const GROUP: usize = 16;
+
+/// A surface so little behind the end of a chord, quanta, is met before it: two distances from different
+/// origins, metres rounded to doubles, are told apart to less.
+const SURFACE_FIRST: f64 = 1e-3;
+
+/// Paths in flight among shaped grains.
+#[derive(Debug)]
+pub(super) struct ShapeFlight<'a> {
+    grid: &'a GrainGrid,
+    shapes: &'a GridShapes,
+    surfaces: &'a Surfaces,
+    eta: f64,
+    cells: Cells,
+    lanes: Box<[Lane; LANES]>,
+    events: Vec<(usize, FlightEvent)>,
+    /// Arrivals at grains, where they are noted.
+    visits: Option<Vec<GrainVisit>>,
+    /// All paths in flight are in the first lanes.
+    in_use: usize,
+}
+
+impl<'a> ShapeFlight<'a> {
+    pub(super) fn new(
+        grid: &'a GrainGrid,
+        shapes: &'a GridShapes,
+        surfaces: &'a Surfaces,
+        eta: f64,
+    ) -> Self {
+        Self {
+            grid,
+            shapes,
+            surfaces,
+            eta,
+            cells: Cells::of(grid),
+            lanes: Box::new([Lane::default(); LANES]),
+            events: Vec::with_capacity(LANES),
+            visits: None,
+            in_use: LANES,
+        }
+    }
+
+    pub(super) fn launch(&mut self, lane: usize, key: PathKey, event: u32) {
+        self.lanes[lane] = Lane::launched(key, event);
+    }
+
+    pub(super) fn enter(
+        &mut self,
+        index: usize,
+        place: GridPosition,
+        direction: DVec3,
+        excluded: Option<SurfaceId>,
+    ) {
+        let lane = &mut self.lanes[index];
+        lane.cell = place.cell;
+        lane.periods = [0; 3];
+        lane.offset = DVec3::ZERO;
+        lane.origin = DVec3::from_array(place.local.map(f64::from));
+        lane.begin_stretch(&self.cells, 0.0, direction);
+        lane.left_surface = excluded;
+        self.go_on_in_air(index);
+        self.fetch_entries(index..index + 1);
+    }
+
+    pub(super) fn release(&mut self, index: usize, direction: DVec3, event: u32) {
+        let lane = &mut self.lanes[index];
+        lane.event = event;
+        lane.begin_stretch(&self.cells, lane.inside.leave, direction);
+        lane.leaving = Some(lane.inside.body);
+        self.go_on_in_air(index);
+        self.fetch_entries(index..index + 1);
+    }
+
+    /// Outward unit normal of the grain that the path of `lane` is in, at the end of its chord.
+    pub(super) fn outward(&self, lane: usize) -> DVec3 {
+        self.lanes[lane].outward(self.shapes)
+    }
+
+    pub(super) fn bounce(
+        &mut self,
+        index: usize,
+        direction: DVec3,
+        surface: SurfaceId,
+        event: u32,
+    ) {
+        let lane = &mut self.lanes[index];
+        lane.event = event;
+        lane.begin_stretch(&self.cells, lane.travelled, direction);
+        lane.left_surface = Some(surface);
+        if !lane.in_ice {
+            self.go_on_in_air(index);
+        } else if self.begin_chord(index, NOWHERE) {
+            let lane = &mut self.lanes[index];
+            lane.seek_cell(&self.cells, lane.inside.leave);
+            lane.phase = Phase::Ice;
+        }
+        self.fetch_entries(index..index + 1);
+    }
+
+    pub(super) fn set_event(&mut self, lane: usize, event: u32) {
+        self.lanes[lane].event = event;
+    }
+
+    pub(super) fn retire(&mut self, lane: usize) {
+        self.lanes[lane].phase = Phase::Still;
+    }
+
+    pub(super) fn relocate(&mut self, from: usize, to: usize) {
+        self.lanes[to] = self.lanes[from];
+        self.retire(from);
+    }
+
+    pub(super) fn use_lanes(&mut self, lanes: usize) {
+        self.in_use = lanes.min(LANES);
+    }
+
+    pub(super) fn note_visits(&mut self) {
+        self.visits = Some(Vec::with_capacity(2 * VISITS_AT_ONCE));
+    }
+
+    pub(super) fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
+        if let Some(noted) = &mut self.visits {
+            visits.append(noted);
+        }
+    }
+
+    /// Notes that a path arrives at the grain that it is about to be in, at `at` of its stretch.
+    #[inline(never)]
+    fn note(&mut self, index: usize, from: ArrivalFrom, inside: &Inside, at: f64) {
+        let Some(noted) = &mut self.visits else { return };
+        let lane = &self.lanes[index];
+        let Inside { body, placement, .. } = inside;
+        let place = lane.origin + lane.direction * at;
+        let local = (body.center - lane.offset).to_array().map(|x| x as f32);
+        noted.push(GrainVisit {
+            lane: index,
+            from,
+            center: GridPosition { cell: lane.cell, local },
+            radius: placement.radius as f32,
+            shaped: Some(ShapedArrival {
+                shape: ShapeWord::of_slot(body.word).shape(),
+                from_center: place - body.center,
+            }),
+            overlaps: inside.overlaps,
+            meets_surface: inside.meets_surface,
+            to_middle: (body.center - place).dot(lane.direction) as f32,
+            direction: lane.direction.to_array().map(|x| x as f32),
+            grain_visits: lane.visits,
+            ice_length: lane.ice_length as f32,
+            ice_in_strata: lane.ice_in_strata.map(|length| length as f32),
+            stratum: inside.stratum,
+            event: lane.event,
+        });
+    }
+
+    /// Lets all paths travel until at least one needs its caller.
+    pub(super) fn advance(&mut self, level: Level, events: &mut Vec<(usize, FlightEvent)>) {
+        dispatch!(level, simd => self.run(simd));
+        events.append(&mut self.events);
+    }
+
+    /// The ray along which a path travels, from where it stands, metres.
+    pub(super) fn ray(&self, lane: usize) -> Ray {
+        let lane = &self.lanes[lane];
+        let stretch = lane.stretch(self.grid);
+        let beyond = self.grid.beyond_first_period(lane.home_periods);
+        Ray::new(stretch.at(lane.travelled * self.grid.quantum()) + beyond, stretch.direction)
+    }
+
+    pub(super) fn is_in_ice(&self, lane: usize) -> bool {
+        self.lanes[lane].in_ice
+    }
+
+    pub(super) fn travelled(&self, lane: usize, quantum: f64) -> Travelled {
+        let lane = &self.lanes[lane];
+        Travelled {
+            ice_length: lane.ice_length * quantum,
+            air_length: lane.air_length * quantum,
+            grain_visits: lane.visits,
+            event: lane.event,
+        }
+    }
+
+    pub(super) fn ice_in_strata(&self, lane: usize, quantum: f64) -> [f64; STRATA] {
+        self.lanes[lane].ice_in_strata.map(|length| length * quantum)
+    }
+
+    pub(super) fn first_grain(&self, lane: usize) -> Option<FirstGrain> {
+        self.lanes[lane].first.map(|[position, normal]| FirstGrain { position, normal })
+    }
+
+    /// The surface on which the present stretch began, unless the stretch has moved on and can meet it again.
+    pub(super) fn excluded(&self, lane: usize) -> Option<SurfaceId> {
+        let lane = &self.lanes[lane];
+        let returns = |id: &SurfaceId| self.surfaces.is_met_again(&lane.stretch(self.grid), *id);
+        lane.left_surface.filter(|id| lane.travelled == 0.0 || !returns(id))
+    }
+
+    /// Rounds until an event occurs or no path is left in flight.
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S) {
+        while self.events.is_empty()
+            && self.visits.as_ref().is_none_or(|noted| noted.len() < VISITS_AT_ONCE)
+        {
+            let mut flying = false;
+            for first in (0..self.in_use).step_by(GROUP) {
+                let lanes = first..(first + GROUP).min(self.in_use);
+                for index in lanes.clone() {
+                    match self.lanes[index].phase {
+                        Phase::Still => continue,
+                        Phase::Air => self.step_in_air(simd, index),
+                        Phase::Ice => self.go_on_in_ice(simd, index, None),
+                    }
+                    flying = true;
+                    self.prefetch_entry(index);
+                }
+                self.fetch_entries(first.checked_sub(GROUP).map_or(0..0, |before| before..first));
+            }
+            let last = self.in_use.saturating_sub(1) / GROUP * GROUP;
+            self.fetch_entries(last..self.in_use);
+            if !flying {
+                return;
+            }
+        }
+    }
+
+    /// Asks for what the cell of a path holds.
+    #[inline(always)]
+    fn prefetch_entry(&self, index: usize) {
+        let lane = &self.lanes[index];
+        if let (Storage::Packed(cells), true) = (self.grid.storage(), lane.phase != Phase::Still) {
+            cells.prefetch(lane.cell);
+        }
+    }
+
+    /// Looks it up, and asks for the blocks.
+    #[inline(always)]
+    fn fetch_entries(&mut self, lanes: std::ops::Range<usize>) {
+        for lane in &mut self.lanes[lanes] {
+            if lane.phase != Phase::Still {
+                lane.entry = self.grid.entry(lane.cell);
+                lane.entry_of = lane.cell;
+                self.grid.prefetch_blocks(lane.entry);
+                for number in lane.entry.blocks() {
+                    let words = &self.shapes.blocks[number];
+                    prefetch(&words[0]);
+                    prefetch(&words[8]);
+                }
+            }
+        }
+    }
+
+    /// Stratum of a grain.
+    #[inline(always)]
+    fn stratum(&self, number: usize, slot: usize) -> u8 {
+        self.grid.strata().get(number).map_or(0, |strata| strata[slot])
+    }
+
+    /// Takes a path out of flight and tells the caller why.
+    fn stop(&mut self, index: usize, event: FlightEvent) {
+        self.lanes[index].phase = Phase::Still;
+        self.events.push((index, event));
+    }
+}
+
+/// Whether the light of a path passes an interface, by its next random event.
+#[inline(always)]
+fn passes(lane: &mut Lane, interface: &Interface) -> bool {
+    let [u, _, _] = numbers(lane.key, lane.event);
+    lane.event += 1;
+    f64::from(u) < interface.transmittance
+}
