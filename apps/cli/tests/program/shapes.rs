@@ -59,10 +59,10 @@ fn shaped_grains_come_back_from_their_file_and_give_the_same_picture() {
     let placed = format!("{}[[snow]]\nsource = \"file\"\nfile = \"grains.ply\"\n", &SCENE[..snow]);
     place.file("placed.toml", placed);
     for name in ["scene", "placed"] {
-        let (scene, picture) = (format!("{name}.toml"), format!("{name}.film"));
+        let (scene, picture) = (format!("{name}.toml"), format!("{name}.exr"));
         place.succeed(&["render", &scene, "-o", &picture, "--quiet"]);
     }
-    assert!(place.bytes("scene.film") == place.bytes("placed.film"));
+    assert!(place.bytes("scene.exr") == place.bytes("placed.exr"));
 }
 
 #[test]
