@@ -23,6 +23,8 @@ pub struct Connections {
     /// Part of the grains' volume that hangs together, through contacts and overlaps, with the
     /// ground, or, where no grain touches the ground, in the largest cluster.
     pub connected_fraction: f64,
+    /// Whether any grain touches the ground.
+    pub reaches_ground: bool,
 }
 
 /// Looks at every pair of neighbours of `field`, which repeats with `period` (metres along x and z)
@@ -73,21 +75,25 @@ fn in_buckets(
     }
     let quantum = field.quantisation.quantum();
     let per_grain = |count: u64| count as f64 / (grains.len() as f64).max(1.0);
+    let (connected_fraction, reaches_ground) =
+        connected_fraction(field, buckets, &mut clusters, touches_ground);
     Connections {
         contacts_per_grain: per_grain(contacts),
         overlaps_per_grain: per_grain(overlaps),
         mean_overlap_depth: quantum * depths / (overlaps as f64).max(1.0),
         greatest_overlap_depth: quantum * greatest,
-        connected_fraction: connected_fraction(field, buckets, &mut clusters, touches_ground),
+        connected_fraction,
+        reaches_ground,
     }
 }
 
+/// The part that hangs together, and whether it does with the ground.
 fn connected_fraction(
     field: &GrainField,
     buckets: &Buckets,
     clusters: &mut Clusters,
     touches_ground: &dyn Fn(&Grain) -> bool,
-) -> f64 {
+) -> (f64, bool) {
     let mut volumes = vec![0.0f64; buckets.grains().len()];
     let mut grounded = vec![false; volumes.len()];
     for (i, &grain) in buckets.grains().iter().enumerate() {
@@ -100,7 +106,7 @@ fn connected_fraction(
     let on_ground: f64 = volumes.iter().zip(&grounded).filter(|g| *g.1).map(|g| g.0).sum();
     let largest = volumes.iter().copied().fold(0.0, f64::max);
     let connected = if on_ground > 0.0 { on_ground } else { largest };
-    if all > 0.0 { connected / all } else { 0.0 }
+    (if all > 0.0 { connected / all } else { 0.0 }, on_ground > 0.0)
 }
 
 /// Disjoint sets with path halving; the least index is a set's root.

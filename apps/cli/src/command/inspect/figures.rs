@@ -31,6 +31,8 @@ pub(super) struct Figures {
     overlaps_per_grain: f64,
     greatest_overlap: f64,
     connected_fraction: f64,
+    /// Whether that is with the ground, or the largest piece.
+    reaches_ground: bool,
     /// kg/m^3 in tenths of the depth from the surface down.
     density_profile: Vec<f64>,
     along_x: DirectedFigures,
@@ -111,10 +113,21 @@ impl Figures {
             overlaps_per_grain: structure.connections.overlaps_per_grain,
             greatest_overlap: structure.connections.greatest_overlap_depth.max(0.0),
             connected_fraction: structure.connections.connected_fraction,
+            reaches_ground: structure.connections.reaches_ground,
             density_profile: structure.profile.iter().map(|part| ice * part).collect(),
             along_x,
             along_y,
             along_z,
+        }
+    }
+
+    /// How much hangs together: a file of grains does not hold the ground that joins them.
+    fn connected(&self) -> (&'static str, String) {
+        let percent = 100.0 * self.connected_fraction;
+        if self.reaches_ground {
+            ("connected", format!("{percent:.2} % of the mass, with the ground"))
+        } else {
+            ("largest piece", format!("{percent:.2} % of the mass; no ground is known"))
         }
     }
 
@@ -156,7 +169,7 @@ impl Figures {
                     mm(self.greatest_overlap)
                 ),
             ),
-            ("connected", format!("{:.2} % of the mass", 100.0 * self.connected_fraction)),
+            self.connected(),
             (
                 "mean chord in air",
                 format!(

@@ -8,7 +8,8 @@
 //! ([`calibrate`]). For suns the first grains count most, and their images of it can be seen:
 //!
 //! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
-//!   its visibility among the real grains (`first_grain`);
+//!   its visibility among the real grains (`first_grain`), or, where it is a crystal, by all that it makes of the
+//!   ray (`first_shape`);
 //! - at the second, and at the first two after a surface, the sun is met by chance, but it is
 //!   [`WIDENED_DEGREES`] wide, which moves an image of it by less than a tenth of a grain's radius and
 //!   leaves its light as it is.

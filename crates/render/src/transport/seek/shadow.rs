@@ -6,7 +6,8 @@
 //! is of another kind than that of the path ([`Origin`]), and weighted by one over the part of the grain's
 //! disc that is of the kind: on average the number of random places until one is (see
 //! [`super::first_grain`]): where light goes out most easily none came in. Light that came through ice is
-//! let be: to ask for a beginning within another grain doubles the variance.
+//! let be: to ask for a beginning within another grain doubles the variance. So is that of grains of other shapes
+//! than spheres, whose ways begin nowhere in particular, and that of more than five grains.
 
 use super::gains::Class;
 use super::{Seeker, Trail};
