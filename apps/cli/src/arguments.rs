@@ -19,6 +19,7 @@ mod wet;
 
 use clap::{Args, Parser, Subcommand};
 use snowgrain_accel::SimdLevel;
+use snowgrain_formats::scene::document::SnowKindName;
 use snowgrain_formats::scene::{MeshUnits, UpAxis};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -104,6 +105,11 @@ pub(crate) struct SceneArguments {
     /// Longest side of a mesh or model given as SCENE, as 20cm
     #[arg(long, value_name = "LENGTH", value_parser = values::length)]
     pub(crate) object_size: Option<f64>,
+
+    /// Kind of snow on a mesh or shot given as SCENE: fresh, wind-slab, old, corn, melt-freeze-crust, firn,
+    /// depth-hoar, surface-hoar or graupel
+    #[arg(long, value_name = "KIND", value_parser = values::kind)]
+    pub(crate) kind: Option<SnowKindName>,
 
     /// Renders the scene at this frame: keys of `animate` have their values there, and #### in names of
     /// files (-o render.####.exr) becomes its number

@@ -58,6 +58,7 @@ pub(crate) fn load(
                 units: arguments.units,
                 up: arguments.up,
                 object_size: arguments.object_size,
+                kind: arguments.kind,
             };
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let made = scene_for_mesh(&name, &mesh.bounds(), &options)?;
@@ -127,6 +128,12 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
 }
 
 fn refuse_mesh_options(arguments: &SceneArguments) -> Result<(), Failure> {
+    if let Some(kind) = arguments.kind {
+        return Err(Failure::usage(format!(
+            "--kind is for a mesh given as SCENE; in a scene, the snow has it (--set snow.kind={})",
+            kind.name()
+        )));
+    }
     let options = [
         ("--units", arguments.units.is_some()),
         ("--up", arguments.up.is_some()),
@@ -159,8 +166,9 @@ fn shot_alone(
     arguments: &SceneArguments,
 ) -> Result<MeshScene, Failure> {
     let (units, up) = (Some(MeshUnits::Metres), Some(UpAxis::Y));
-    let options = MeshSceneOptions { units, up, object_size: arguments.object_size };
-    match scene_for_shot(name, shot) {
+    let (object_size, kind) = (arguments.object_size, arguments.kind);
+    let options = MeshSceneOptions { units, up, object_size, kind };
+    match scene_for_shot(name, shot, kind) {
         Some(_) if arguments.object_size.is_some() => Err(Failure::usage(
             "--object-size is for a model without a camera; scale a shot by [import] scale in a scene",
         )),

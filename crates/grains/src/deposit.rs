@@ -20,6 +20,7 @@
 //! A fall is a function of (seed, number of the snowfall, number of the drop) and of what lies.
 
 mod aggregates;
+pub(crate) mod aim;
 mod arc;
 mod area;
 mod batch;

@@ -9,6 +9,7 @@
 mod attach;
 mod relax;
 
+use crate::deposit::aim::{Aim, MOST_FALLS};
 use crate::{
     Amount, DepositRule, DepositSettings, GrainField, GrainsError, ICE_DENSITY, Radii, Settling,
     Snowfall,
@@ -120,8 +121,9 @@ impl PackSettings {
     pub fn make(&self, quantum: f64) -> Result<PeriodicPack, GrainsError> {
         self.check()?;
         let wanted = self.density / ICE_DENSITY;
-        let (mut spheres, settling) = self.slab(quantum)?;
         let fell = self.density <= MOST_FALLEN;
+        let (mut spheres, settling) =
+            if fell { self.slab_of_density(quantum)? } else { self.slab(self.density, quantum)? };
         let moves = if fell {
             // The top is drawn down to, or up from, the image of the bottom; the rest is as it fell.
             let height = spheres.period.y;
@@ -152,8 +154,31 @@ impl PackSettings {
         Ok(spheres.rounded(quantum, method))
     }
 
-    /// A slab of snow that fell, laid on itself, in quanta; its period is whole.
-    fn slab(&self, quantum: f64) -> Result<(Spheres, Settling), GrainsError> {
+    /// The slab that is nearest to the density, of up to [`MOST_FALLS`] snowfalls: what remains is made up
+    /// for at the seam, which would be looser or closer than the rest.
+    fn slab_of_density(&self, quantum: f64) -> Result<(Spheres, Settling), GrainsError> {
+        let mut aim = Aim::at(self.density);
+        let mut best = self.slab(self.density, quantum)?;
+        let density = |slab: &(Spheres, Settling)| ICE_DENSITY * slab.0.nominal();
+        let mut last = density(&best);
+        for _ in 1..MOST_FALLS {
+            if aim.is_met_by(last) {
+                break;
+            }
+            aim.correct(last);
+            // What would make up for it may be out of reach.
+            let Ok(slab) = self.slab(aim.density(), quantum) else { break };
+            last = density(&slab);
+            if aim.miss(last) < aim.miss(density(&best)) {
+                best = slab;
+            }
+        }
+        Ok(best)
+    }
+
+    /// A slab of snow that fell by the settling that pilots found for this density, laid on itself, in quanta; its
+    /// period is whole.
+    fn slab(&self, aimed: f64, quantum: f64) -> Result<(Spheres, Settling), GrainsError> {
         let radii = &self.radii;
         let ball = 4.0 / 3.0 * PI * radii.mean_cube();
         let fallen = self.density.min(MOST_FALLEN);
@@ -168,7 +193,7 @@ impl PackSettings {
         let report = snow.deposit(&DepositSettings {
             amount: Amount::Depth(edge + 2.0 * margin * radii.mean()),
             radii: radii.clone(),
-            density: (!rolls).then_some(self.density),
+            density: (!rolls).then_some(aimed),
             rule: rolls.then_some(DepositRule::Roll),
             max_slope_degrees: 90.0,
             direction: DepositSettings::DOWN,

@@ -1,6 +1,7 @@
 //! Values on the command line that have a form of their own.
 
 use snowgrain_film::PixelRect;
+use snowgrain_formats::scene::document::SnowKindName;
 use snowgrain_formats::scene::{Length, MeshUnits, UpAxis};
 use snowgrain_grains::{DepositRule, LatticeKind};
 use snowgrain_render::View;
@@ -192,6 +193,14 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     } else {
         Err("write a length above 0, as 20cm".into())
     }
+}
+
+/// A kind of snow.
+pub(super) fn kind(name: &str) -> Result<SnowKindName, String> {
+    SnowKindName::from_name(name).ok_or_else(|| {
+        let names = SnowKindName::ALL.map(SnowKindName::name);
+        format!("write one of {}", names.join(", "))
+    })
 }
 
 /// A unit of length of mesh files.

@@ -5,6 +5,7 @@
 
 mod animate;
 mod camera;
+mod kind;
 mod light;
 mod material;
 mod shapes;
@@ -12,6 +13,7 @@ mod snow;
 
 pub use animate::{AnimateTable, AnimatedValue, BetweenName};
 pub use camera::{CameraKind, CameraTable, ImportTable};
+pub use kind::SnowKindName;
 pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
 pub use shapes::{OrientationName, ShapeName, ShapeTable};

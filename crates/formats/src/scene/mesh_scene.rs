@@ -6,6 +6,8 @@
 //! and camera follow from the object's bounding box; the snow is always a million grains.
 
 use super::SceneError;
+use super::document::SnowKindName;
+use super::kind_scene::KindSnow;
 use snowgrain_math::{Aabb, DVec3, trig};
 
 /// Units that a mesh file may be in.
@@ -113,6 +115,8 @@ pub struct MeshSceneOptions {
     pub up: Option<UpAxis>,
     /// Longest side that the object shall have, metres, above 0; wins over `units`.
     pub object_size: Option<f64>,
+    /// Kind of snow that falls.
+    pub kind: Option<SnowKindName>,
 }
 
 /// A scene made for a mesh.
@@ -171,7 +175,14 @@ pub fn scene_for_mesh(
     let depth = SNOW_DEPTH_TO_SIZE * upright.size().max_element() * scale;
     let view = View::of(&placed, depth);
     let [width, length] = view.slab.size();
-    let radius = grain_radius(width * length * depth);
+    let volume = width * length * depth;
+    let (snow, told) = match options.kind {
+        Some(kind) => {
+            let snow = KindSnow::new(kind, volume);
+            (snow.keys(), snow.told(depth))
+        }
+        None => plain_snow(grain_radius(volume), depth),
+    };
 
     let up_name = if up == UpAxis::Y { "y" } else { "z" };
     let assumptions = vec![
@@ -180,14 +191,9 @@ pub fn scene_for_mesh(
             Some(_) => format!("{up_name} is up"),
             None => format!("{up_name} is up (--up says otherwise)"),
         },
-        format!(
-            "snow: 1 000 000 grains of {:.2} mm radius, about {:.1} mm deep, on a slab of {width:.2} x \
-             {length:.2} m",
-            radius * 1e3,
-            depth * 1e3,
-        ),
+        format!("snow: {told}, on a slab of {width:.2} x {length:.2} m"),
     ];
-    let toml = write_toml(file, up, scale, &placed, &view, radius);
+    let toml = write_toml(file, up, scale, &placed, &view, &snow);
     Ok(MeshScene { toml, assumptions })
 }
 
@@ -285,7 +291,7 @@ impl View {
 }
 
 /// Variation of the grains' radii, in radii.
-pub(super) const VARIATION_TO_RADIUS: f64 = 0.4;
+const VARIATION_TO_RADIUS: f64 = 0.4;
 
 /// Depth of the snow, in longest sides of the object.
 pub(super) const SNOW_DEPTH_TO_SIZE: f64 = 0.05;
@@ -296,6 +302,22 @@ pub(super) fn grain_radius(volume: f64) -> f64 {
     // Radii uniform in r (1 -+ v) have the mean cube r^3 (1 + v^2).
     let mean_cube = grain * 3.0 / (4.0 * std::f64::consts::PI);
     cube_root(mean_cube / (1.0 + VARIATION_TO_RADIUS * VARIATION_TO_RADIUS))
+}
+
+/// Keys of snow that looks like snow from afar, and what to tell the user of it; metres.
+pub(super) fn plain_snow(radius: f64, depth: f64) -> (String, String) {
+    let millimetres = rounded(radius * 1e3);
+    let variation = rounded(radius * 1e3 * VARIATION_TO_RADIUS);
+    let keys = format!(
+        "rule = \"ray\"\ngrains = 1_000_000\nradius = \"{millimetres:?} mm\"\nvariation = \
+         \"{variation:?} mm\"\nmax_slope = 80.0\n"
+    );
+    let told = format!(
+        "1 000 000 grains of {:.2} mm radius, about {:.1} mm deep",
+        radius * 1e3,
+        depth * 1e3
+    );
+    (keys, told)
 }
 
 /// Cube root of a positive number.
@@ -309,7 +331,7 @@ fn write_toml(
     scale: f64,
     placed: &Placed,
     view: &View,
-    radius: f64,
+    snow: &str,
 ) -> String {
     let rotate_x = up.rotation_about_x();
     // Adding zero turns -0.0 into 0.0.
@@ -326,7 +348,6 @@ fn write_toml(
     let [east, south, north] = [view.slab.half_width, view.slab.near, view.slab.far].map(rounded);
     let thickness = rounded(east * 0.1);
     let (half_length, middle) = (rounded((south - north) * 0.5), rounded((south + north) * 0.5));
-    let (radius, variation) = (rounded(radius * 1e3), rounded(radius * 1e3 * VARIATION_TO_RADIUS));
     format!(
         r#"# Made for a mesh that came alone; change what you like. Lengths in metres or like "5 mm"; y is up.
 version = 1
@@ -363,12 +384,7 @@ translate = [0, {down:?}, {middle:?}]
 
 [[snow]]
 source = "deposit"
-rule = "ray"
-grains = 1_000_000
-radius = "{radius:?} mm"
-variation = "{variation:?} mm"
-max_slope = 80.0
-area = [{west:?}, {north:?}, {east:?}, {south:?}]
+{snow}area = [{west:?}, {north:?}, {east:?}, {south:?}]
 
 [integrator]
 kind = "grains"

@@ -14,6 +14,7 @@ pub mod document;
 mod error;
 mod focus;
 mod keys;
+mod kind_scene;
 mod mesh_scene;
 mod overrides;
 mod parse;

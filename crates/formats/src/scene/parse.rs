@@ -21,7 +21,7 @@ pub const SCENE_VERSION: u32 = 1;
 /// whether they are in range, is the matter of [`super::resolve`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
-    /// What is written.
+    /// What is written, and what the kinds of snow add to it.
     pub document: SceneDocument,
     pub(super) source: SceneSource,
 }
@@ -106,8 +106,14 @@ fn read_document(source: &mut SceneSource) -> Result<SceneDocument, SceneError> 
     }
     check_version(table.get_ref(), &text)?;
     source.read_keys(table.get_ref(), known)?;
-    SceneDocument::deserialize(toml::de::Deserializer::from(table))
-        .map_err(|error| bad_value(source, known, &error))
+    let mut document = SceneDocument::deserialize(toml::de::Deserializer::from(table))
+        .map_err(|error| bad_value(source, known, &error))?;
+    for snow in &mut document.snow {
+        if let Some(kind) = snow.kind {
+            kind.complete(snow);
+        }
+    }
+    Ok(document)
 }
 
 fn syntax_error(source: &SceneSource, error: &toml::de::Error) -> SceneError {

@@ -2,9 +2,9 @@
 //! them, and the shot's first camera looks on. The shot's lights shine at a strength that suits the
 //! picture; without any, the sky is overcast.
 
-use super::mesh_scene::{
-    MeshScene, SNOW_DEPTH_TO_SIZE, VARIATION_TO_RADIUS, grain_radius, rounded,
-};
+use super::document::SnowKindName;
+use super::kind_scene::KindSnow;
+use super::mesh_scene::{MeshScene, SNOW_DEPTH_TO_SIZE, grain_radius, plain_snow, rounded};
 use crate::gltf::{
     ImportedCamera, ImportedLight, ImportedLightKind, ImportedProjection, ImportedScene,
 };
@@ -15,26 +15,35 @@ use std::f64::consts::PI;
 const HEIGHT: f64 = 512.0;
 
 /// The scene file for the shot in `file`, relative to where the scene file will be said to lie; `None`
-/// where it has no camera.
+/// where it has no camera. Snow is of this kind, if of any.
 #[must_use]
-pub fn scene_for_shot(file: &str, shot: &ImportedScene) -> Option<MeshScene> {
+pub fn scene_for_shot(
+    file: &str,
+    shot: &ImportedScene,
+    kind: Option<SnowKindName>,
+) -> Option<MeshScene> {
     let camera = shot.cameras.first()?;
     let bounds = shot.bounds();
     let size = bounds.size();
     let depth = SNOW_DEPTH_TO_SIZE * size.max_element();
-    let radius = rounded(grain_radius(size.x.max(depth) * size.z.max(depth) * depth) * 1e3);
+    let volume = size.x.max(depth) * size.z.max(depth) * depth;
+    let (snow, told, changes) = match kind {
+        Some(kind) => {
+            let snow = KindSnow::new(kind, volume);
+            (snow.keys(), snow.told(depth), "snow.grains=... says")
+        }
+        None => {
+            let (keys, told) = plain_snow(rounded(grain_radius(volume) * 1e3) * 1e-3, depth);
+            (keys, told, "snow.radius=... and snow.grains=... say")
+        }
+    };
     let mut assumptions = vec![
         format!(
             "camera {:?} of the file; {:.4} x {:.4} x {:.4} m",
             camera.name, size.x, size.y, size.z
         ),
-        format!(
-            "snow: 1 000 000 grains of {radius:.2} mm radius on all objects, about {:.1} mm deep; \
-             --set snow.radius=... and snow.grains=... say otherwise",
-            depth * 1e3
-        ),
+        format!("snow: {told}, on all objects; --set {changes} otherwise"),
     ];
-    let variation = rounded(radius * VARIATION_TO_RADIUS);
     let file = toml::Value::from(file).to_string();
     let factor = light_strength(&shot.lights, &bounds);
     let (strength, sky) = match factor {
@@ -66,12 +75,7 @@ file = {file}
 {camera}
 {sky}[[snow]]
 source = "deposit"
-rule = "ray"
-grains = 1_000_000
-radius = "{radius:?} mm"
-variation = "{variation:?} mm"
-max_slope = 80.0
-"#,
+{snow}"#,
         camera = write_camera(camera, bounds.center()),
     );
     Some(MeshScene { toml, assumptions })

@@ -4,6 +4,7 @@
 //! is sought by the Illinois form of false position (Dowell & Jarratt 1971, BIT 11, 168) with
 //! pilot snowfalls of the same sizes, depth and seed: a pure function of the settings.
 
+use super::aim::{Aim, MOST_FALLS};
 use super::pile::Pile;
 use super::{DepositReport, Snowfall};
 use crate::measures::{
@@ -19,10 +20,6 @@ use snowgrain_math::{DVec3, trig};
 const TOLERANCE: f64 = 0.02;
 /// Relative difference at which the search ends.
 const CLOSE: f64 = 2e-3;
-/// Relative difference at which snow that was measured does not fall anew.
-const CLOSE_ENOUGH: f64 = 0.01;
-/// Most falls of the same snow.
-const MOST_FALLS: u32 = 3;
 /// Most grains that are measured.
 const MOST_MEASURED: u64 = 20_000_000;
 /// Most pilots of a search within a bracket.
@@ -80,7 +77,8 @@ impl Snowfall<'_> {
     ///
     /// Where nothing lay before, snow of single grains is measured, since it is less dense on steep ground and
     /// towards the edge of the area than pilots are on a level floor; it falls anew, up to
-    /// [`MOST_FALLS`] times in all, by the settling that makes up for that.
+    /// [`MOST_FALLS`] times in search of a settling that makes up for that, and once more by the best of
+    /// them where that was not the last.
     pub(super) fn deposit_to_density(
         &mut self,
         settings: &DepositSettings,
@@ -91,29 +89,36 @@ impl Snowfall<'_> {
         let quantum = self.quantisation.quantum();
         let edge = |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) * quantum;
         let area_m2 = edge(0) * edge(1);
-        let falls_anew = self.is_empty() && self.period().is_none();
+        let may_fall_anew = self.is_empty() && self.period().is_none();
         let (mut settling, mut fill) = Pilots { settings, area_m2 }.reach(density / ICE_DENSITY)?;
-        let (mut aim, mut falls) = (density, 1);
+        let mut aim = Aim::at(density);
+        let (mut falls, mut best) = (0, (f64::INFINITY, (settling, fill)));
         loop {
             let mut report = self.deposit_as(settings, settling, area, fallen)?;
+            falls += 1;
             // Aggregates are as large as the squares in which snow is measured.
             let is_fine = !matches!(settling, Settling::Aggregates { .. });
-            let measured = if falls_anew && is_fine { self.measured_density() } else { None };
+            let measured = if may_fall_anew && is_fine { self.measured_density() } else { None };
             let pilot = ICE_DENSITY * fill;
             report.reached = Some(Reached { settling, asked: density, pilot, measured });
-            let off = measured.map_or(1.0, |measured| measured / density);
-            if (off - 1.0).abs() <= CLOSE_ENOUGH || falls == MOST_FALLS {
+            let Some(measured) = measured.filter(|&measured| !aim.is_met_by(measured)) else {
+                return Ok(report);
+            };
+            if aim.miss(measured) < best.0 {
+                best = (aim.miss(measured), (settling, fill));
+            }
+            aim.correct(measured);
+            let aimed = aim.density();
+            let pilots = Pilots { settings: &settings.with_density(aimed), area_m2 };
+            // What would make up for it may be out of reach, or be what fell just now.
+            let next =
+                if falls < MOST_FALLS { pilots.reach(aimed / ICE_DENSITY).ok() } else { None };
+            let next = next.filter(|next| *next != (settling, fill)).unwrap_or(best.1);
+            if falls > MOST_FALLS || next == (settling, fill) {
                 return Ok(report);
             }
-            aim /= off.clamp(0.5, 2.0);
-            let pilots = Pilots { settings: &settings.with_density(aim), area_m2 };
-            match pilots.reach(aim / ICE_DENSITY) {
-                Ok(better) => (settling, fill) = better,
-                // What would make up for it is out of reach: the snow stays as it is.
-                Err(_) => return Ok(report),
-            }
+            (settling, fill) = next;
             (self.pile, self.snowfalls) = (Pile::default(), self.snowfalls - 1);
-            falls += 1;
         }
     }
 

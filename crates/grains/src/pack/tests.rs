@@ -67,3 +67,14 @@ fn a_pack_is_the_same_on_any_number_of_threads() {
     };
     assert_eq!(on(1), on(3));
 }
+
+#[test]
+fn a_slab_has_the_density_of_its_pack_without_its_seam() {
+    let quantum = Quantisation::for_grains(DVec3::ZERO, R).quantum();
+    for density in [200.0, 300.0] {
+        let settings = PackSettings { radii: Radii::equal(R), density, seed: 0 };
+        let (slab, _) = settings.slab_of_density(quantum).unwrap();
+        let got = ICE_DENSITY * slab.nominal();
+        assert!((got / density - 1.0).abs() <= 0.01, "{density}: {got}");
+    }
+}

@@ -68,6 +68,7 @@ fn options(arguments: &PlanArguments) -> Vec<String> {
     scene.units.iter().for_each(|units| add("--units", units.name().into()));
     scene.up.iter().for_each(|up| add("--up", up.name().into()));
     scene.object_size.iter().for_each(|size| add("--object-size", size.to_string()));
+    scene.kind.iter().for_each(|kind| add("--kind", kind.name().into()));
     seed.iter().for_each(|seed| add("--seed", seed.to_string()));
     size.iter().for_each(|size| add("--size", format!("{}x{}", size.width, size.height)));
     options

@@ -1,7 +1,7 @@
 //! `[[snow]]` as written.
 
 use super::super::quantity::{Length, LoadText, Triple};
-use super::ShapeTable;
+use super::{ShapeTable, SnowKindName};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -14,6 +14,11 @@ pub struct SnowTable {
     /// inside of a closed mesh, or what lies under a picture of heights, of packed grains), "lattice" (a
     /// block of a crystal lattice) or "file" (grains as they are, from `file`).
     pub source: SnowSource,
+    /// Kind of snow: "fresh", "wind-slab", "old", "corn", "melt-freeze-crust", "firn", "depth-hoar", "surface-hoar" or
+    /// "graupel", which says `radius`, `spread`, `density` and `shapes` where they are not written
+    /// (docs/snows.md); default none; deposit, pack, fill.
+    #[serde(default)]
+    pub kind: Option<SnowKindName>,
     /// Grain radius r: a length above 0, as "0.5 mm"; the mean, or the median where `spread` is given;
     /// deposit, pack, fill, lattice.
     #[serde(default)]

@@ -28,6 +28,7 @@ const SOURCES: [SnowSource; 5] = [
 fn keys_of(source: SnowSource) -> &'static [&'static str] {
     match source {
         SnowSource::Deposit => &[
+            "kind",
             "grains",
             "depth",
             "radius",
@@ -45,6 +46,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "seed",
         ],
         SnowSource::Pack => &[
+            "kind",
             "box",
             "radius",
             "shapes",
@@ -57,6 +59,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "seed",
         ],
         SnowSource::Fill => &[
+            "kind",
             "file",
             "scale",
             "rotate",

@@ -260,7 +260,7 @@ fn points_are_refused_only_where_light_is_not_looked_for() {
 
 #[test]
 fn a_shot_alone_is_lit_by_its_own_lights_or_the_sky() {
-    let made = scene_for_shot("lit.glb", &lit_shot()).unwrap();
+    let made = scene_for_shot("lit.glb", &lit_shot(), None).unwrap();
     let scene = read(&made.toml, &[]).unwrap();
     let kinds: Vec<_> = scene.lights.iter().map(|light| &*light.group).collect();
     assert_eq!(kinds, ["sun", "lamps", "lamps"]);
@@ -270,7 +270,7 @@ fn a_shot_alone_is_lit_by_its_own_lights_or_the_sky() {
     let radiance = (sun + lamps / (0.25 + 2.75 * 2.75)) / PI;
     assert!((radiance - 1.0).abs() < 1e-6, "{radiance}");
     assert!(made.assumptions.iter().any(|line| line.contains("3 lights of the file")));
-    let made = scene_for_shot("shot.glb", &shot()).unwrap();
+    let made = scene_for_shot("shot.glb", &shot(), None).unwrap();
     assert_eq!(read(&made.toml, &[]).unwrap().lights[0].kind, LightKind::Sky);
 }
 

@@ -2,6 +2,7 @@
 
 use super::accepted::deposit;
 use super::meaning_of;
+use crate::scene::document::SnowKindName;
 use crate::scene::{MeshSceneOptions, MeshUnits, SceneError, SceneFile, UpAxis, scene_for_mesh};
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_render::description::{Projection, SceneDescription};
@@ -91,6 +92,22 @@ fn a_mesh_in_plausible_metres_keeps_its_size() {
     assert!(assumptions[0].starts_with("longest side 0.1500 m (the file taken as metres"));
     let radius = deposit(&scene).radii.mean();
     assert!((0.0003..0.0008).contains(&radius), "{radius}");
+}
+
+#[test]
+fn snow_of_a_kind_falls_on_a_mesh_of_any_size() {
+    let bounds = Aabb::new(DVec3::ZERO, DVec3::splat(0.2));
+    for kind in SnowKindName::ALL {
+        for size in [0.001, 0.2, 50.0] {
+            let (object_size, kind) = (Some(size), Some(kind));
+            let options = MeshSceneOptions { object_size, kind, ..Default::default() };
+            let made = scene_for_mesh("m.obj", &bounds, &options).unwrap();
+            let file = SceneFile::parse(&made.toml, Path::new("x.toml"), &[]).unwrap();
+            let snow = &file.document.snow[0];
+            assert_eq!((snow.kind, snow.rule), (kind, None));
+            assert!((1..=4_000_000).contains(&snow.grains.unwrap()), "{snow:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Snow of a density, of measured sizes, and packed in bodies.
 
 use super::{LEAST, read, refusal};
+use crate::scene::document::SnowKindName;
 use snowgrain_grains::{Body, FillSettings, Radii};
 use snowgrain_render::description::{SceneDescription, SnowDescription};
 
@@ -74,6 +75,51 @@ fn boxes_and_heights_are_filled() {
     let flat = block.replace("0.05", "0");
     let message = refusal(&with(&format!("{flat}{snow}")), &[]);
     assert!(message.contains("snow.0.box") && message.contains("y0 < y1"), "{message}");
+}
+
+#[test]
+fn a_kind_says_what_is_not_written_and_every_key_overrides_it() {
+    let deposit = "source = \"deposit\"\ndepth = \"2 cm\"\n";
+    let block = "source = \"pack\"\nbox = [0, 0, 0, 0.1, 0.05, 0.1]\n";
+    let fill =
+        "source = \"fill\"\nfile = \"drift.png\"\nheight = \"4 cm\"\narea = [0, 0, 0.1, 0.1]\n";
+    for kind in SnowKindName::ALL {
+        let radii = Radii::log_normal(kind.radius_metres(), kind.spread()).unwrap();
+        for source in [deposit, block, fill] {
+            let snow = format!("{source}kind = \"{}\"", kind.name());
+            let scene = read(&with(&snow), &[]).unwrap();
+            let said = match &scene.snow[0] {
+                SnowDescription::Deposit(settings) => (&settings.radii, settings.density),
+                SnowDescription::Filled(fill) => (&fill.pack.radii, Some(fill.pack.density)),
+                other => panic!("{other:?}"),
+            };
+            assert_eq!(said, (&radii, Some(kind.density())), "{kind:?}");
+            assert!(scene.shapes[0].is_some(), "{kind:?}");
+        }
+    }
+    let own = "kind = \"fresh\"\nradius = 0.001\nvariation = 0.0005\nrule = \"stick\"\n\
+               [[snow.shapes]]\nshape = \"cube\"";
+    let scene = read(&with(&format!("{deposit}{own}")), &[]).unwrap();
+    let plain = own.replace("kind = \"fresh\"\n", "");
+    let without = read(&with(&format!("{deposit}{plain}")), &[]).unwrap();
+    let said = |scene: &SceneDescription| format!("{:?} {:?}", scene.snow, scene.shapes);
+    assert_eq!(said(&scene), said(&without));
+    let sizes = format!("{deposit}kind = \"firn\"\nsizes = \"sizes.txt\"\ndensity = 500");
+    let scene = read(&with(&sizes), &[]).unwrap();
+    let SnowDescription::Deposit(settings) = &scene.snow[0] else { panic!("{:?}", scene.snow) };
+    assert_eq!(settings.density, Some(500.0));
+}
+
+#[test]
+fn kinds_that_do_not_exist_or_have_no_place_are_refused() {
+    let message = refusal(&with("source = \"deposit\"\ngrains = 1\nkind = \"powder\""), &[]);
+    assert!(message.contains("snow.0.kind") && message.contains("depth-hoar"), "{message}");
+    let lattice = "source = \"lattice\"\nlattice = \"fcc\"\ncounts = [1, 1, 1]\nradius = 1\n";
+    let message = refusal(&with(&format!("{lattice}kind = \"firn\"")), &[]);
+    assert!(message.contains("snow.0.kind") && message.contains("\"pack\""), "{message}");
+    let message =
+        refusal(&with("source = \"deposit\"\ngrains = 1\nkind = \"firn\"\nspread = 9"), &[]);
+    assert!(message.contains("snow.0.spread = 9: must be above 1"), "{message}");
 }
 
 #[test]

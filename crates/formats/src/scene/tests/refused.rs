@@ -28,7 +28,7 @@ fn unknown_keys_suggest_the_nearest() {
     assert_eq!(
         in_snow("temperature = -3"),
         "folder/scene.toml:13: snow.0.temperature: unknown key; known here: area, base, box, \
-         counts, density, depth, direction, file, grains, height, impurities, lattice, mask, \
+         counts, density, depth, direction, file, grains, height, impurities, kind, lattice, mask, \
          max_slope, radius, rotate, rule, scale, seed, shapes, sizes, source, spacing, spread, translate, \
          variation, wetness"
     );
@@ -254,7 +254,7 @@ fn keys_of_one_source_are_refused_on_another() {
     assert_eq!(
         in_snow("lattice = \"fcc\""),
         "folder/scene.toml:13: snow.0.lattice = \"fcc\": not a key of source = \"deposit\" but of \
-         \"lattice\"; remove it or change the source (deposit takes: grains, depth, radius, \
+         \"lattice\"; remove it or change the source (deposit takes: kind, grains, depth, radius, \
          shapes, variation, spread, sizes, wetness, impurities, density, rule, max_slope, direction, area, \
          seed)"
     );
