@@ -20,7 +20,9 @@ impl BuildTimes {
     pub(crate) fn book(&mut self, stage: BuildStage, spent: Spent) {
         match stage {
             BuildStage::Snow { .. } | BuildStage::Fallen { .. } => self.deposit += spent,
-            BuildStage::Surfaces | BuildStage::Packing | BuildStage::Light => self.build += spent,
+            BuildStage::Surfaces | BuildStage::Packing | BuildStage::Light | BuildStage::Deep => {
+                self.build += spent
+            }
         }
     }
 }
@@ -52,6 +54,9 @@ pub(crate) struct RunFigures {
     /// Of all pixels, linear; `None` where no pass was completed.
     pub(crate) mean_radiance: Option<[f64; 3]>,
     pub(crate) snowfalls: Vec<Option<SnowfallFigures>>,
+    /// Cells of what light brings from deep in the snow, where that was learnt, and bytes that they take.
+    pub(crate) learnt_cells: Option<u64>,
+    pub(crate) learnt_bytes: Option<u64>,
     /// How grains were packed: "fast" or "compact".
     pub(crate) packing: &'static str,
     pub(crate) threads: usize,
@@ -188,6 +193,8 @@ impl Run<'_> {
             rays: counts.rays,
             mean_radiance: self.mean_radiance,
             snowfalls: snowfalls(&report.snow),
+            learnt_cells: report.learnt.map(|(cells, _)| cells as u64),
+            learnt_bytes: report.learnt.map(|(_, bytes)| bytes),
             packing: match self.packing {
                 Packing::Fast => "fast",
                 Packing::Compact => "compact",
@@ -224,6 +231,13 @@ impl RunFigures {
             ));
         }
         lines.extend(density_lines(&self.snowfalls));
+        if let (Some(cells), Some(bytes)) = (self.learnt_cells, self.learnt_bytes) {
+            lines.push(format!(
+                "light from deep in the snow learnt in {} cells, {}",
+                grouped(cells),
+                readable_bytes(bytes)
+            ));
+        }
         lines.push(format!(
             "snow {}, surfaces and packing {}, rendering {}",
             seconds(self.deposit_seconds, self.deposit_cpu_seconds),

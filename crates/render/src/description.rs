@@ -4,6 +4,7 @@
 use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
+use crate::transport::deep::DeepSettings;
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
@@ -38,6 +39,8 @@ pub struct SceneDescription {
     pub integrator: IntegratorKind,
     /// How lights are found.
     pub light_finding: LightFinding,
+    /// Where paths end deep in the snow; `None`: nowhere, which is exact.
+    pub deep: Option<DeepSettings>,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
 }
@@ -279,6 +282,12 @@ impl SceneDescription {
     pub fn has_shapes(&self) -> bool {
         (0..self.snow.len())
             .any(|body| self.shapes_of(body).is_some() || self.snow[body].has_shapes())
+    }
+
+    /// Whether a picture is rendered with the arrivals of light at grains noted.
+    #[must_use]
+    pub fn notes_visits(&self) -> bool {
+        self.light_finding != LightFinding::Exact || self.deep.is_some()
     }
 
     /// How far grains of a body of snow may reach, in their radii.

@@ -7,6 +7,7 @@ use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescri
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
+use crate::transport::deep::OutcomeField;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
@@ -45,6 +46,8 @@ pub enum BuildStage {
     Packing,
     /// What the search for light forgets is measured ([`crate::transport::seek::calibrate`]).
     Light,
+    /// What light brings from deep in the snow is learnt ([`crate::transport::deep`]).
+    Deep,
 }
 
 /// What was made of a body of snow.
@@ -69,6 +72,8 @@ pub struct BuildReport {
     pub grain_bytes: u64,
     /// Memory of the surfaces, bytes.
     pub surface_bytes: u64,
+    /// Cells and bytes of what light brings from deep in the snow, where that is learnt.
+    pub learnt: Option<(usize, u64)>,
 }
 
 /// Everything between a description and a picture.
@@ -92,6 +97,8 @@ pub struct Scene {
     pub strata_colours: Vec<StrataColour>,
     /// How light is looked for; `None` where it is only met.
     pub search: Option<LightSearch>,
+    /// What light from deep in the snow brings; `None` where it is followed to its end.
+    pub outcomes: Option<OutcomeField>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
     pub catchers_alone: Option<Box<Self>>,
     /// Size and sampling of the picture.
@@ -171,6 +178,13 @@ impl Scene {
                 Some(search.calibrated((&world, &camera), paths, film.seed, level))
             }
         };
+        let outcomes = description.deep.and_then(|settings| {
+            stage(BuildStage::Deep);
+            let lights = (&lights, search.as_ref());
+            let picture = ([film.width, film.height], film.seed);
+            OutcomeField::learn((&world, &camera), lights, &settings, picture, level)
+        });
+        report.learnt = outcomes.as_ref().map(|field| (field.cells(), field.memory_bytes()));
         let catchers_alone = match catchers::alone(description) {
             None => None,
             Some(alone) => {
@@ -186,6 +200,7 @@ impl Scene {
             camera,
             lights,
             search,
+            outcomes,
             catchers_alone,
             light_layers,
             glint_layer,
@@ -337,7 +352,7 @@ fn build_grid(
         let quantisation = quantisation_of(description, &objects);
         let with_lamps = has_lamps.then(|| Surfaces::new(&lit.shapes).with_level(level));
         let surfaces = with_lamps.as_ref().unwrap_or(&objects);
-        let searched = description.light_finding != LightFinding::Exact;
+        let searched = description.notes_visits();
         let lattice = implicit_lattice(settings, quantisation, surfaces, searched)?;
         if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);

@@ -6,6 +6,7 @@ use crate::description::{
     Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
 use crate::surface::Reflectance;
+use crate::transport::deep::DeepSettings;
 use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
@@ -130,6 +131,12 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
                 (settings.calibration_paths >> 32) as u32,
             ]);
         }
+    }
+    if let Some(deep) = scene.deep {
+        hash.tag("deep");
+        let DeepSettings { after_grains, depth, cell, learning_paths } = deep;
+        hash.words(&[after_grains, learning_paths as u32, (learning_paths >> 32) as u32]);
+        hash.doubles(&[depth, cell]);
     }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();

@@ -8,6 +8,7 @@
 
 mod colours;
 mod cubes;
+mod deep;
 mod deposits;
 mod grain;
 mod lights;

@@ -35,7 +35,7 @@ depth = "5 mm"
 area = [-0.03, -0.03, 0.03, 0.03]
 "#;
 
-fn scene(text: &str, changes: &[&str]) -> Scene {
+pub(crate) fn scene(text: &str, changes: &[&str]) -> Scene {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let file = SceneFile::parse(text, "test.toml".as_ref(), &changes).unwrap();
     let loader = Loader {

@@ -302,7 +302,7 @@ pub enum ShapeKind {
 }
 
 /// How light is traced.
-#[derive(Clone, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
     /// "grains" (every grain is met); default "grains".
@@ -316,9 +316,33 @@ pub struct IntegratorTable {
     /// that is met: an error of 300 % over its square root is left in the light of a sun. Default
     /// 1048576, 5 to 20 s of one core.
     pub calibration_paths: Option<u64>,
+    /// What becomes of light deep in the snow: "exact" (it is followed to its end) or "learnt" (it ends there with
+    /// what other paths brought from there: ten times faster and more, see docs/deep.md); default "exact".
+    pub deep: DeepName,
+    /// Part by which learnt light may be wrong on average over a block of 16 x 16 pixels, from 0.001: it chooses the
+    /// following three; default 0.01.
+    pub lod_error: Option<f64>,
+    /// Grains that a path meets exactly before it may end; default 4 (8 and 16 for errors of .003 and .001).
+    pub deep_after_grains: Option<u32>,
+    /// How far from open air and surfaces it must then be, in transport lengths (11.6 mm for grains of .5 mm
+    /// at 275 kg/m^3); default 0.5 (1 and 2).
+    pub deep_depth: Option<f64>,
+    /// Paths by which it is learnt; default 262144 (1048576 and 4194304).
+    pub learning_paths: Option<u64>,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.
     pub packing: Option<PackingName>,
+}
+
+/// What becomes of light deep in the snow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeepName {
+    /// It is followed to its end.
+    #[default]
+    Exact,
+    /// It ends with what others brought.
+    Learnt,
 }
 
 /// How lights are found.

@@ -2,6 +2,7 @@
 
 mod camera;
 mod checks;
+mod deep;
 mod import;
 mod lights;
 mod objects;
@@ -125,6 +126,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Compact => Packing::Compact,
     });
     let light_finding = lights::finding(&checks, &lights)?;
+    let deep = deep::deep(&checks)?;
     Ok(SceneDescription {
         film,
         camera,
@@ -136,6 +138,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         strata,
         integrator,
         light_finding,
+        deep,
         packing,
     })
 }
@@ -237,6 +240,7 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.strata = Strata::default();
     scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.light_finding = LightFinding::Exact;
+    scene.deep = None;
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.surface = Surface::diffuse([1.0; 3]);

@@ -41,7 +41,8 @@ impl Batch {
         let layers = scene.light_layers.as_ref();
         let first_layer = self.layers.len();
         self.layers.resize(first_layer + layers.map_or(0, LightLayerNames::count), [0.0; 3]);
-        if scene.search.is_some() && path.first_hit.is_some() {
+        let found_on_the_way = scene.search.is_some() || scene.outcomes.is_some();
+        if found_on_the_way && path.first_hit.is_some() {
             return self.add_found(scene, pixel, first_layer, found);
         }
         self.lights.clear();
@@ -59,7 +60,7 @@ impl Batch {
                 scene.lights.add_emission(light, &mut self.lights);
                 path.ice_length
             }
-            (PathEnd::Absorbed | PathEnd::Enclosed, _) => return [0.0; 3],
+            (PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep, _) => return [0.0; 3],
         };
         let mut radiance = [0.0; 3];
         for (slot, light) in self.lights.iter().enumerate() {
@@ -93,7 +94,7 @@ impl Batch {
         // In double precision, so that the layers add up to the whole in single.
         self.sums.clear();
         self.sums.resize((self.layers.len() - first_layer).max(1), [0.0; 3]);
-        for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata } in found {
+        for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata, .. } in found {
             let seen = colour_of(scene, slot, weight, ice_length, ice_in_strata);
             let layer = scene.light_layers.as_ref().map_or(0, |layers| {
                 let own = layers.layer_of_slot()[slot] as usize;

@@ -3,9 +3,7 @@
 use super::batch::Batch;
 use super::camera_path::CameraPath;
 use crate::transport::seek::Seeker;
-use crate::transport::{
-    Contribution, NewPath, PathEnd, PathResult, PathSource, trace, trace_seeking,
-};
+use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource, trace_with};
 use crate::{RenderError, Scene};
 use snowgrain_accel::SimdLevel;
 
@@ -30,13 +28,9 @@ pub(super) fn find_unoccluded(
 ) -> Result<(), RenderError> {
     let Some(alone) = scene.catchers_alone.as_deref() else { return Ok(()) };
     let mut paths = Paths { alone, caught, next: 0, scratch: Batch::default(), enclosed: None };
-    match &alone.search {
-        None => trace(&alone.world, level, &mut paths),
-        Some(search) => {
-            let seeker = Seeker::new(&alone.world, &alone.camera, search, level);
-            trace_seeking(&alone.world, level, seeker, &mut paths);
-        }
-    }
+    let seeker = alone.search.as_ref();
+    let seeker = seeker.map(|search| Seeker::new(&alone.world, &alone.camera, search, level));
+    trace_with(&alone.world, level, (seeker, None), &mut paths);
     match paths.enclosed {
         Some((x, y)) => Err(RenderError::Enclosed { x, y }),
         None => Ok(()),

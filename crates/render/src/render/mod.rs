@@ -17,8 +17,9 @@ mod stream;
 mod tile_sums;
 
 use crate::statistics::Statistics;
+use crate::transport::deep::Deep;
 use crate::transport::seek::Seeker;
-use crate::transport::{trace, trace_seeking};
+use crate::transport::trace_with;
 use crate::{RenderError, Scene};
 pub use noise::{PILOT_SAMPLES, Pilot, block_counts};
 use passes::Passes;
@@ -220,15 +221,11 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            let Scene { world, camera, search, .. } = self.scene;
+            let Scene { world, camera, search, outcomes, .. } = self.scene;
             let level = self.settings.level;
-            match search {
-                None => trace(world, level, &mut stream),
-                Some(search) => {
-                    let seeker = Seeker::new(world, camera, search, level);
-                    trace_seeking(world, level, seeker, &mut stream);
-                }
-            }
+            let seeker = search.as_ref().map(|search| Seeker::new(world, camera, search, level));
+            let deep = outcomes.as_ref().map(Deep::HandOver);
+            trace_with(world, level, (seeker, deep), &mut stream);
             stream.flush();
         });
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();

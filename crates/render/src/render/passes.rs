@@ -171,7 +171,8 @@ impl Passes {
     /// Opens another pass, if there are samples left.
     fn open(&self, state: &mut State) -> bool {
         if let Some(took) = state.last_opened.map(|last| last.elapsed()) {
-            if took * 2 < PASS {
+            // While a path of an earlier pass is still under way each tile keeps sums for every pass since: few, large ones.
+            if took * 2 < PASS || state.open.len() > 1 {
                 state.pass_samples = state.pass_samples.saturating_mul(2);
             } else if took > PASS * 2 {
                 state.pass_samples = (state.pass_samples / 2).max(1);

@@ -13,7 +13,7 @@ use super::gains::{Class, Tally};
 use super::shadow::{Beginning, Brings};
 use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
 use crate::camera::Camera;
-use crate::transport::{NewPath, PathResult, PathSource, trace_seeking};
+use crate::transport::{NewPath, PathResult, PathSource, trace_with};
 use crate::world::World;
 use core::f64::consts::{PI, TAU};
 use rayon::prelude::*;
@@ -77,7 +77,8 @@ impl LightSearch {
                 seeker.tally = Some(Tally::default());
                 let range = task * TASK..((task + 1) * TASK).min(paths);
                 let mut paths = Paths { camera, size, seed, range };
-                trace_seeking(world, level, seeker, &mut paths).tally.unwrap_or_default()
+                let (seeker, _) = trace_with(world, level, (Some(seeker), None), &mut paths);
+                seeker.and_then(|seeker| seeker.tally).unwrap_or_default()
             })
             .reduce(Tally::default, |sum, part| sum.merged(&part))
     }

@@ -96,6 +96,7 @@ impl Seeker<'_> {
         trail.contributions.push(Contribution {
             slot: lights.slot_of(light),
             glint: sun && trail.vertex == Vertex::Camera && order <= GRAINS_BEFORE_SUNS,
+            event: u32::MAX,
             weight: scaled(product(path.throughput, radiance), part),
             ice_length: path.ice_length,
             ice_in_strata: path.ice_in_strata,

@@ -154,6 +154,7 @@ impl Seeker<'_> {
                 let brings = Brings::Light(Contribution {
                     slot: sample.slot,
                     glint: true,
+                    event: visit.event,
                     weight: scaled(product(state.throughput, sample.radiance), weight),
                     ice_length: length,
                     ice_in_strata,

@@ -57,6 +57,7 @@ impl Seeker<'_> {
         let brings = Brings::Light(Contribution {
             slot: lights.slot_of(light),
             glint: true,
+            event: visit.event,
             weight: scaled(product(state.throughput, radiance), out.weight),
             ice_length: length,
             ice_in_strata,

@@ -48,6 +48,7 @@ impl Seeker<'_> {
         let brings = Brings::Light(Contribution {
             slot: sample.slot,
             glint: false,
+            event: visit.event,
             weight: scaled(product(state.throughput, sample.radiance), weight),
             ice_length,
             ice_in_strata,

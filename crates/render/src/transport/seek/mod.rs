@@ -240,7 +240,7 @@ impl Trail {
 
 /// What the walk tells of a path when the search looks for light.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PathState {
+pub(crate) struct PathState {
     pub(super) key: PathKey,
     pub(super) throughput: [f32; 3],
 }

@@ -66,6 +66,7 @@ impl Seeker<'_> {
         let contribution = Contribution {
             slot: sample.slot,
             glint: false,
+            event: bounce.event,
             weight: scaled(
                 product(product(state.throughput, colour), sample.radiance),
                 value / (sample.pdf + rivals),
