@@ -61,6 +61,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         integrator: IntegratorKind::Grains,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
+        deep: None,
         packing: None,
     }
 }
