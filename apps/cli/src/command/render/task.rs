@@ -124,11 +124,11 @@ impl Task<'_> {
         let (rendered, preview) =
             render_blocks_with(self.scene, &settings, self.counts(), |rendering| {
                 self.checkpoints.during((rendering, earlier), interrupts, progress, || {
-                    pictures.refreshed(rendering, interrupts, progress, || {
+                    pictures.refreshed((rendering, earlier), interrupts, progress, || {
                         self.pool.install(|| rendering.run(&control))
                     })
                 })?;
-                if rendering.samples() > 0 { Ok(None) } else { rendering.preview() }
+                if rendering.samples() > 0 { Ok(None) } else { rendering.preview(None) }
             })?;
         let Rendered { film, statistics, complete } = rendered;
         outcome.statistics.add(&statistics);
