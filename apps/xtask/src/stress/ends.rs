@@ -8,8 +8,8 @@ use snowgrain_math::sampler::split_mix;
 use std::process::{Child, Command};
 use std::time::Duration;
 
-const FILM: &str = "a.film";
-const ENDLESS: [&str; 5] = ["--spp", "4000000000", "--resume", "-o", FILM];
+pub(super) const FILM: &str = "a.film";
+pub(super) const ENDLESS: [&str; 5] = ["--spp", "4000000000", "--resume", "-o", FILM];
 
 /// A random time from a moment after the start on.
 fn wait(seed: u64, least: u64, most: u64) {
@@ -23,7 +23,7 @@ fn send(child: &Child, signal: &str) -> Result<()> {
 }
 
 /// The film that is there, which must be whole and hold at least what it did before.
-fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
+pub(super) fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
     if !bench.path(FILM).exists() {
         ensure!(before == 0, "the film is gone");
         return Ok(None);
@@ -35,7 +35,7 @@ fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
 }
 
 /// Whether the film has the bytes of a render of its samples without a break.
-fn compare_with_whole(bench: &Bench) -> Result<u64> {
+pub(super) fn compare_with_whole(bench: &Bench) -> Result<u64> {
     let Some(film) = film(bench, 0)? else { return Ok(0) };
     let held = film.samples().to_string();
     bench.render(&["--samples", &held, "-o", "whole.film"])?;
