@@ -58,7 +58,7 @@ impl ShapeOracle {
         Self { grains, surfaces: SurfaceSearch::new(surfaces), eta }
     }
 
-    /// As [`Oracle::trace`], from a point in air.
+    /// As [`crate::Oracle::trace`], from a point in air.
     #[must_use]
     pub fn trace(
         &self,
