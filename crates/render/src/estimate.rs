@@ -67,7 +67,7 @@ const SEARCHED_OVER_EXACT: f64 = 2.5;
 /// How much longer a path takes that is followed to its end than one that may end deep in the snow, at least.
 const EXACT_OVER_LEARNT: f64 = 2.0;
 /// Of a learnt cell: arrivals of a path that are noted, grains, its number and place, and each outcome.
-const NOTED_PER_PATH: u64 = 40;
+const NOTED_PER_PATH: u64 = 16;
 const GRAINS_PER_LEARNT_CELL: u64 = 14;
 const BYTES_PER_LEARNT_CELL: u64 = 80;
 const BYTES_PER_OUTCOME: u64 = 52;

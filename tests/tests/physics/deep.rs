@@ -60,7 +60,7 @@ fn channel(film: &Film, channel: usize) -> Estimate {
 /// that is looked for; grains of other shapes.
 #[test]
 fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
-    let soot = "snow.impurities=[{ kind = \"black-carbon\", load = \"2 ppm\" }]";
+    let soot = "snow.impurities={ black-carbon = \"2 ppm\" }";
     let sun = [
         "light.kind=\"sun\"",
         "light.elevation=50",

@@ -19,8 +19,8 @@ use std::collections::hash_map::Entry;
 const TASK: u64 = 1 << 13;
 /// What tells their random numbers from those of the picture.
 const STREAM: u64 = 0xdee9_1ea4_7000_0000;
-/// One arrival in so many is kept: neighbours on a path bring nearly the same.
-const ARRIVALS_PER_SAMPLE: f32 = 4.0;
+/// One arrival in so many is kept: those of a path all bring nearly the same.
+const ARRIVALS_PER_SAMPLE: f32 = 16.0;
 /// What tells the random numbers that choose them.
 const CHOICE: u32 = 0xc401_ce00;
 /// Sums are whole numbers of so many parts of the unit of light, so that they do not depend on their order.
