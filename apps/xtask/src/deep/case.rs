@@ -27,19 +27,16 @@ impl Light {
     fn tables(self) -> &'static str {
         match self {
             Self::Overcast => "[[light]]\nkind = \"overcast\"\n",
-            Self::SunAndSky => {
-                "[[light]]\nkind = \"clear\"\nelevation = 40.0\nazimuth = 60.0\n\
-                 [[light]]\nkind = \"sun\"\nelevation = 40.0\nazimuth = 60.0\n"
-            }
+            Self::SunAndSky => "[[light]]\nkind = \"sun-sky\"\nelevation = 40.0\nazimuth = 60.0\n",
         }
     }
 
     /// Samples of a pixel: exact and learnt.
     fn samples(self, quick: bool) -> [u32; 2] {
         match (self, quick) {
-            (Self::Overcast, false) => [1024, 512],
+            (Self::Overcast, false) => [768, 384],
             (Self::Overcast, true) => [128, 128],
-            (Self::SunAndSky, false) => [1024, 512],
+            (Self::SunAndSky, false) => [384, 256],
             (Self::SunAndSky, true) => [64, 64],
         }
     }
@@ -91,7 +88,7 @@ impl Case {
                     light,
                     density,
                     pixel_radii,
-                    depth: 0.1,
+                    depth: 0.05,
                     width: 0.12,
                 }));
             }

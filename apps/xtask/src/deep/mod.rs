@@ -132,7 +132,7 @@ A transport length is the way on which light forgets its direction, 5.2 mean dis
 | .001 | 16 | 2 | 4 194 304 |
 ";
 
-const ERRORS: &str = "Blocks of snow 10 cm deep and 12 cm wide on grey ground, r = .5 mm, seen from the side, 64 x 64 pixels. *Mean* is the \
+const ERRORS: &str = "Blocks of snow 5 cm deep and 12 cm wide on grey ground, r = .5 mm, seen from the side, 64 x 64 pixels. *Mean* is the \
 difference of the mean of the picture from that of exact light, with its standard error; *blocks* and *pixels* are root mean squares of the \
 differences of 16 x 16 pixels and of single ones, with the noise of both pictures taken out (0 where it is all \
 noise). Percent.
