@@ -68,6 +68,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "base",
             "area",
             "mask",
+            "density_map",
             "radius",
             "shapes",
             "variation",
