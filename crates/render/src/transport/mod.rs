@@ -11,7 +11,7 @@ pub mod seek;
 mod walk;
 
 pub use walk::trace;
-pub(crate) use walk::trace_seeking;
+pub(crate) use walk::{trace_by, trace_seeking};
 
 use seek::View;
 use snowgrain_accel::STRATA;

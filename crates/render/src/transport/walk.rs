@@ -30,29 +30,40 @@ struct Walker<Tag> {
 
 /// Traces every path of `source` through `world`; light is found where a path escapes.
 pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut Source) {
-    walk(world, level, None, source);
+    trace_by(world, world.eta, level, source);
 }
 
-/// As [`trace`]; light is looked for on the way. The seeker is given back.
+/// As [`trace`], where grains have the relative index `eta`.
+pub(crate) fn trace_by<Source: PathSource>(
+    world: &World,
+    eta: f64,
+    level: SimdLevel,
+    source: &mut Source,
+) {
+    walk((world, eta), level, None, source);
+}
+
+/// As [`trace`]; light is looked for on the way, among grains of the index of the search. The seeker is given back.
 pub(crate) fn trace_seeking<'a, Source: PathSource>(
     world: &'a World,
     level: SimdLevel,
     seeker: Seeker<'a>,
     source: &mut Source,
 ) -> Seeker<'a> {
+    let eta = seeker.eta();
     let search =
         Search { seeker, trails: std::array::from_fn(|_| Trail::default()), visits: Vec::new() };
-    let search = walk(world, level, Some(search), source);
+    let search = walk((world, eta), level, Some(search), source);
     search.expect("a search that is begun is given back").seeker
 }
 
 fn walk<'a, Source: PathSource>(
-    world: &'a World,
+    (world, eta): (&'a World, f64),
     level: SimdLevel,
     search: Option<Search<'a>>,
     source: &mut Source,
 ) -> Option<Search<'a>> {
-    let mut flight = Flight::new(&world.grid, &world.surfaces, world.eta, level);
+    let mut flight = Flight::new(&world.grid, &world.surfaces, eta, level);
     if search.is_some() {
         flight.note_visits();
     }

@@ -57,8 +57,8 @@ pub struct SnowTable {
     /// `grains`).
     #[serde(default)]
     pub depth: Option<Length>,
-    /// Density of the snow in kg/m^3, above 0 and at most 917 (solid ice): mid-depth, overlaps once; about
-    /// 15 to 800 for deposit (by aggregates, sticking, rolling and sintering, unless `rule` says
+    /// Density of the snow in kg/m^3, above 0 and at most 917 (solid ice; of another `material.kind` its own):
+    /// mid-depth, overlaps once; of ice about 15 to 800 for deposit (by aggregates, sticking, rolling and sintering, unless `rule` says
     /// otherwise), 20 to 750 for pack and fill, which need it; default what the rule or lattice gives;
     /// deposit, pack, fill, lattice.
     #[serde(default)]

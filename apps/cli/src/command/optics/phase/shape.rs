@@ -9,11 +9,10 @@ use crate::threads;
 use snowgrain_accel::SimdLevel;
 use snowgrain_geometry::{Shape, ShapeKind};
 use snowgrain_math::trig;
-use snowgrain_optics::ice;
 use snowgrain_render::laboratory::{Scattering, scattering};
 
 pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Failure> {
-    let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
+    let (eta, _) = super::index(arguments)?;
     let typed = &arguments.shape;
     let shape =
         Shape::new(kind(arguments, name)).map_err(|error| Failure::usage(format!("--{error}")))?;

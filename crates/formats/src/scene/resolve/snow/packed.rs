@@ -86,7 +86,15 @@ impl Body<'_> {
         let mend = "say how dense the snow is, in kg/m^3, as density = 250";
         let density = self.needed("density", self.density()?, mend)?;
         let pack = PackSettings { radii, density, seed: self.table.seed.unwrap_or(0) };
-        pack.check().map_err(|cause| self.bad("density", &cause.to_string()))?;
+        let ratio = self.grains.absorption.density_ratio();
+        let counted = if ratio == 1.0 {
+            String::new()
+        } else {
+            format!(
+                "; that is of ice of the same solid fraction, and this is {ratio:.3} times as dense"
+            )
+        };
+        pack.check().map_err(|cause| self.bad("density", &format!("{cause}{counted}")))?;
         Ok(pack)
     }
 
