@@ -10,6 +10,7 @@ mod colours;
 mod cubes;
 mod deposits;
 mod dispersion;
+mod glints;
 mod grain;
 mod lights;
 mod pictures;
