@@ -64,19 +64,17 @@ mod tests {
 
     #[test]
     fn every_run_of_samples_has_each_band_once_and_pixels_begin_with_any() {
-        let mut first = [0; BANDS];
+        let mut first = [0i32; BANDS];
         for pixel in 0..4096 {
             let mut taken = [false; BANDS];
-            for band in 0..BANDS {
+            for (band, first) in first.iter_mut().enumerate() {
                 let residue = residue_of(7, pixel, band) as usize;
                 assert!(!std::mem::replace(&mut taken[residue], true));
-                if residue == 0 {
-                    first[band] += 1;
-                }
+                *first += i32::from(residue == 0);
             }
         }
         // 256 each; five standard deviations.
-        assert!(first.iter().all(|&count: &i32| (count - 256).abs() < 78), "{first:?}");
+        assert!(first.iter().all(|count| (count - 256).abs() < 78), "{first:?}");
     }
 
     #[test]

@@ -111,7 +111,7 @@ fn a_face_that_fills_a_pixel_shows_the_sun_by_fresnel() {
         );
     let description = description(&text, &["integrator.calibration_paths=16384"]);
     let sun = GlintSun { direction: towards, diameter_degrees: 0.53 };
-    let found = measured(&description, sun, 64);
+    let found = measured(&description, sun, 4096);
     let [reflected, refracted, within] = found.counts;
     assert_eq!([reflected.made, reflected.seen, refracted.made], [1, 1, 0], "{found:?}");
     assert!(within.made >= 1 && within.seen == within.made, "{found:?}");

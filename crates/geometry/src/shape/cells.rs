@@ -96,7 +96,7 @@ impl Shape {
 
 /// A small whole number.
 fn whole(number: f64) -> Option<usize> {
-    (number >= 0.0 && number < 1e6 && number == number.floor()).then_some(number as usize)
+    ((0.0..1e6).contains(&number) && number == number.floor()).then_some(number as usize)
 }
 
 /// A piece of a face of the mesh.

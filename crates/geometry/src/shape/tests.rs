@@ -245,7 +245,7 @@ fn prism(outline: &[[f64; 2]], middle: [f64; 2]) -> TriangleMesh {
 fn star(points: u32) -> TriangleMesh {
     let corner = |i: u32| {
         let (sin, cos) = trig::sin_cos(PI * f64::from(i) / f64::from(points));
-        let radius = if i % 2 == 0 { 1.0 } else { 0.4 };
+        let radius = if i.is_multiple_of(2) { 1.0 } else { 0.4 };
         [radius * cos, radius * sin]
     };
     prism(&(0..2 * points).map(corner).collect::<Vec<_>>(), [0.0, 0.0])

@@ -176,6 +176,15 @@ struct Ends {
     sun: DVec3,
 }
 
+/// A way through a crystal by the same faces.
+struct Way {
+    chords: u32,
+    towards: DVec3,
+    weight: f64,
+    /// Whether some ray of it is.
+    seen: bool,
+}
+
 impl Counter<'_> {
     fn add(&mut self, index: u64, grain: Grain, shape: GrainShape) {
         if !self.is_in_picture(grain.center) {
@@ -233,7 +242,7 @@ impl Counter<'_> {
         let along = back * -crystal.to_camera;
         let (s, t) = frame::tangents(along);
         let reach = shape.bounding_radius();
-        let mut found: Vec<(u32, DVec3)> = Vec::new();
+        let mut found: Vec<Way> = Vec::new();
         for ray in 0..self.rays {
             let [u, v, _] = numbers(PathKey::new(self.seed, index, 0), ray).map(f64::from);
             let (sin, cos) = trig::sin_cos(2.0 * PI * v);
@@ -248,18 +257,28 @@ impl Counter<'_> {
             let entry = crystal.rotation * entry.ray.origin * crystal.radius;
             for out in chain.outgoing.iter().filter(|out| out.chords > 0) {
                 let towards = (crystal.rotation * out.ray.direction).normalize();
-                let is_same = |known: &(u32, DVec3)| {
-                    known.0 == out.chords && (known.1 - towards).length() < SAME_DIRECTION
-                };
-                let shines = towards.dot(self.sun.direction) >= self.sun.cosine();
-                if !shines || found.iter().any(is_same) {
+                if towards.dot(self.sun.direction) < self.sun.cosine() {
                     continue;
                 }
-                found.push((out.chords, towards));
+                let is_same = |known: &&mut Way| {
+                    known.chords == out.chords
+                        && (known.towards - towards).length() < SAME_DIRECTION
+                };
                 let exit = crystal.rotation * out.ray.origin * crystal.radius;
-                let seen = self.is_seen(crystal, Ends { camera: entry, sun: exit }, towards);
-                self.book(GlintKind::after(out.chords), out.weight, seen);
+                let ends = Ends { camera: entry, sun: exit };
+                match found.iter_mut().find(is_same) {
+                    Some(known) if known.seen => {}
+                    Some(known) => known.seen = self.is_seen(crystal, ends, towards),
+                    None => {
+                        let (chords, weight) = (out.chords, out.weight);
+                        let seen = self.is_seen(crystal, ends, towards);
+                        found.push(Way { chords, towards, weight, seen });
+                    }
+                }
             }
+        }
+        for way in found {
+            self.book(GlintKind::after(way.chords), way.weight, way.seen);
         }
     }
 
