@@ -30,8 +30,6 @@ rule = \"stick\"
 radius = \"0.5 mm\"
 grains = 200
 area = [-0.005, -0.005, 0.005, 0.005]
-[[snow.shapes]]
-shape = \"cube\"
 [integrator]
 calibration_paths = 8192
 ";
@@ -121,19 +119,25 @@ fn a_dispersed_picture_is_the_same_on_any_threads_and_kept_whole() {
 #[test]
 fn glints_are_counted_by_their_kind() {
     let place = place();
-    let run = ["measure", "glints", "scene.toml", "--set", "light.0.angular_diameter=40"];
+    let crystals = "snow.shapes=[{shape=\"hexagonal-prism\"}]";
+    let low = "light.0.elevation=5";
+    let wide = "light.0.angular_diameter=40";
+    let sets = ["--set", wide, "--set", low, "--set", crystals];
+    let run = [&["measure", "glints", "scene.toml"][..], &sets].concat();
     let text = place.succeed(&[&run[..], &["-q"]].concat()).stdout;
     assert!(text.contains("reflected") && text.contains("expected"), "{text}");
     let json = place.succeed(&[&run[..], &["-q", "--json"]].concat()).stdout;
     let suns: Value = serde_json::from_str(&json).unwrap();
     let sun = &suns[0];
-    assert_eq!(sun["faces"].as_u64().unwrap(), 6 * sun["crystals"].as_u64().unwrap());
+    assert_eq!(sun["faces"].as_u64().unwrap(), 8 * sun["crystals"].as_u64().unwrap());
     let kinds = ["reflected", "refracted", "reflected within"];
     for (glints, kind) in sun["glints"].as_array().unwrap().iter().zip(kinds) {
         assert_eq!(glints["kind"], kind);
         let count = |key: &str| glints[key].as_u64().unwrap();
         assert!(count("made") > 0 && count("seen") <= count("made"), "{glints}");
     }
+    let balls = place.run(&["measure", "glints", "scene.toml", "-q"]);
+    assert!(balls.code == Some(65) && balls.stderr.contains("spheres"), "{}", balls.stderr);
     let none = place.run(&["measure", "glints", "snowy-teapot", "-q"]);
     assert!(none.code == Some(65) && none.stderr.contains("no sun"), "{}", none.stderr);
 }
