@@ -184,14 +184,16 @@ pub enum Pores {
     Water,
 }
 
-/// Optical constants of the grains.
+/// Optical constants of the grains, of ice or of another substance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IceDescription {
-    /// Index of refraction, in [1, 4].
+    /// Index of refraction of all colours, in [1, 4].
     pub ior: f64,
+    /// Whether each colour is refracted by its own measured index instead.
+    pub disperses: bool,
     /// What lies between the grains, and around them.
     pub pores: Pores,
-    /// What it absorbs.
+    /// What it is, and absorbs.
     pub absorption: Absorption,
     /// What lies between the grains, everywhere alike.
     pub impurities: Vec<Impurity>,
@@ -213,7 +215,7 @@ impl IceDescription {
     #[must_use]
     pub fn clear(ior: f64) -> Self {
         let (absorption, impurities) = (Absorption::Grey(0.0), Vec::new());
-        Self { ior, pores: Pores::Air, absorption, impurities }
+        Self { ior, disperses: false, pores: Pores::Air, absorption, impurities }
     }
 
     /// Index of refraction relative to what fills the pores.
@@ -223,6 +225,12 @@ impl IceDescription {
             Pores::Air => self.ior,
             Pores::Water => self.ior / WATER_IOR,
         }
+    }
+
+    /// Index of refraction of a wavelength relative to what fills the pores.
+    #[must_use]
+    pub fn eta_at(&self, wavelength_nm: f64) -> f64 {
+        self.absorption.substance().index_relative_to(self.pores == Pores::Water, wavelength_nm)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
@@ -102,6 +103,8 @@ pub struct Scene {
     pub search: Option<LightSearch>,
     /// What light from deep in the snow brings; `None` where it is followed to its end.
     pub outcomes: Option<OutcomeField>,
+    /// The same and the colours of each band of wavelengths, where grains disperse light; else empty.
+    pub bands: Vec<BandOptics>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
     pub catchers_alone: Option<Box<Self>>,
     /// Size and sampling of the picture.
@@ -202,6 +205,7 @@ impl Scene {
             world,
             camera,
             lights,
+            bands: bands_of(description, &grade, search.as_ref()),
             search,
             outcomes,
             catchers_alone,
@@ -213,6 +217,22 @@ impl Scene {
             film: description.film.clone(),
             report,
         })
+    }
+
+    /// The index of the grains, and how light is looked for, of a band of wavelengths.
+    pub(crate) fn optics_of(&self, band: usize) -> (f64, Option<&LightSearch>) {
+        match self.bands.get(band) {
+            Some(band) => (band.eta, band.search.as_ref()),
+            None => (self.world.eta, self.search.as_ref()),
+        }
+    }
+
+    /// The colours of light of a band of wavelengths after ice, and after that of several strata.
+    pub(crate) fn colours_of(&self, band: usize) -> (&[IceColour], &[StrataColour]) {
+        match self.bands.get(band) {
+            Some(band) => (&band.colours, &band.strata_colours),
+            None => (&self.colours, &self.strata_colours),
+        }
     }
 
     /// Whether a ray of the camera may start in ice, as far as boxes tell.
@@ -242,7 +262,7 @@ fn grade(description: &SceneDescription, slots: &[LightSlot]) -> Grade {
     Grade {
         primaries: description.film.primaries,
         lights: slots.iter().map(|slot| slot.spectrum).collect(),
-        absorption: ice.absorption,
+        absorption: ice.absorption.clone(),
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
         exposure_stops: description.film.exposure_stops,

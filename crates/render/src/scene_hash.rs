@@ -10,7 +10,7 @@ use crate::transport::deep::DeepSettings;
 use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
-use snowgrain_optics::{Absorption, Impurity, Load};
+use snowgrain_optics::{Absorption, Impurity, Load, Substance};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -266,11 +266,24 @@ fn hash_light(hash: &mut Hash, light: &LightDescription) {
 
 fn hash_ice(hash: &mut Hash, ice: &IceDescription) {
     hash.doubles(&[ice.eta()]);
-    match ice.absorption {
-        Absorption::Grey(per_metre) => hash.doubles(&[per_metre]),
+    match &ice.absorption {
+        Absorption::Grey(per_metre) => hash.doubles(&[*per_metre]),
         Absorption::Measured(source) => hash.tag(source.name()),
+        Absorption::Of(substance) => hash_substance(hash, substance),
+    }
+    if ice.disperses {
+        hash.tag("dispersion");
     }
     hash_impurities(hash, &ice.impurities);
+}
+
+fn hash_substance(hash: &mut Hash, substance: &Substance) {
+    hash.tag(substance.name());
+    if let Substance::Measured(measured) = substance {
+        for spectrum in [&measured.index, &measured.imaginary] {
+            spectrum.points().for_each(|(wavelength, value)| hash.doubles(&[wavelength, value]));
+        }
+    }
 }
 
 fn hash_impurities(hash: &mut Hash, impurities: &[Impurity]) {

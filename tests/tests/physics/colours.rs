@@ -102,14 +102,14 @@ fn a_film_that_is_graded_anew_is_a_fresh_render() {
         (Absorption::default(), vec![soot(20.0)]),
         (Absorption::default(), vec![soot(1000.0)]),
         (Absorption::default(), vec![soot(50_000.0)]),
-        (warren, vec![]),
+        (warren.clone(), vec![]),
         (warren, vec![dust]),
         (Absorption::Grey(0.0), vec![algae]),
         (Absorption::Grey(30.0), vec![]),
     ] {
         for primaries in Primaries::ALL {
             let mut other = description.clone();
-            other.ice.absorption = absorption;
+            other.ice.absorption = absorption.clone();
             other.ice.impurities.clone_from(&impurities);
             other.film.primaries = primaries;
             let fresh = rendered(&other, spp);

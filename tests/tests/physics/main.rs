@@ -10,6 +10,8 @@ mod colours;
 mod cubes;
 mod deep;
 mod deposits;
+mod dispersion;
+mod glints;
 mod grain;
 mod lights;
 mod pictures;

@@ -46,6 +46,7 @@ pub(crate) fn scene(text: &str, changes: &[&str]) -> Scene {
         texture: &mut |_| Err("no texture".into()),
         sizes: &mut |_| Err("no texture".into()),
         plan_image: &mut |_| Err("no texture".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }

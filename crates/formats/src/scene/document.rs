@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod shapes;
 mod snow;
+mod substance;
 
 pub use animate::{AnimateTable, AnimatedValue, BetweenName};
 pub use camera::{CameraKind, CameraTable, ImportTable};
@@ -18,6 +19,7 @@ pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
 pub use shapes::{OrientationName, ShapeName, ShapeTable};
 pub use snow::{DepositRuleName, LatticeName, SnowSource, SnowTable};
+pub use substance::{MaterialTable, SubstanceName};
 
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
@@ -40,7 +42,10 @@ pub struct SceneDocument {
     /// The camera; may be left out where `import` has one.
     #[serde(default)]
     pub camera: Option<CameraTable>,
-    /// The ice that grains are made of.
+    /// What grains are made of.
+    #[serde(default)]
+    pub material: MaterialTable,
+    /// The ice that grains are made of, and what lies between them.
     #[serde(default)]
     pub ice: IceTable,
     /// The lights; their radiances add. At least one, or an object with `emission`, or a light of `import`.

@@ -182,6 +182,12 @@ impl Camera {
         ))
     }
 
+    /// Whether a place in the image, pixels, lies in the picture.
+    #[must_use]
+    pub fn shows(&self, x: f64, y: f64) -> bool {
+        (0.0..self.width).contains(&x) && (0.0..self.height).contains(&y)
+    }
+
     /// How densely the rays of one place of the lens cover the picture: square pixels a steradian
     /// around the unit vector `direction` where they run through a point, whatever point of the lens
     /// that is, and square pixels a square metre across where they are parallel. `direction` must

@@ -205,7 +205,7 @@ impl<'a> Rendering<'a> {
         Self {
             scene,
             settings,
-            passes: Passes::new(settings.samples.clone(), ends, pixels),
+            passes: Passes::new(settings.samples.clone(), ends, (pixels, scene.bands.len().max(1))),
             tiles,
             counts,
             holds_settling: AtomicBool::new(false),
@@ -221,11 +221,18 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            let Scene { world, camera, search, outcomes, .. } = self.scene;
+            let Scene { world, camera, outcomes, .. } = self.scene;
             let level = self.settings.level;
-            let seeker = search.as_ref().map(|search| Seeker::new(world, camera, search, level));
-            let deep = outcomes.as_ref().map(Deep::HandOver);
-            trace_with(world, level, (seeker, deep), &mut stream);
+            loop {
+                let (eta, search) = self.scene.optics_of(stream.band());
+                let seeker = search.map(|search| Seeker::new(world, camera, search, level));
+                // Learnt by light of the middle index: deep in the snow it makes no difference.
+                let deep = outcomes.as_ref().map(Deep::HandOver);
+                trace_with((world, eta), level, (seeker, deep), &mut stream);
+                if !stream.turn_to_next_band() {
+                    break;
+                }
+            }
             stream.flush();
         });
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).take();

@@ -9,6 +9,7 @@
 //! with what others brought from there ([`deep`]).
 
 pub mod deep;
+mod over_picture;
 pub mod seek;
 mod walk;
 

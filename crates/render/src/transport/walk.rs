@@ -32,18 +32,18 @@ struct Walker<Tag> {
 
 /// Traces every path of `source` through `world`; light is found where a path escapes.
 pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut Source) {
-    trace_with(world, level, (None, None), source);
+    trace_with((world, world.eta), level, (None, None), source);
 }
 
-/// As [`trace`]; light is looked for on the way, and paths may end deep in the snow, where there is what
-/// that needs. Both are given back.
+/// As [`trace`], among grains of the relative index `eta`; light is looked for on the way, and paths may end deep in
+/// the snow, where there is what that needs. Both are given back.
 pub(crate) fn trace_with<'a, Source: PathSource>(
-    world: &'a World,
+    (world, eta): (&'a World, f64),
     level: SimdLevel,
     (seeker, deep): (Option<Seeker<'a>>, Option<Deep<'a>>),
     source: &mut Source,
 ) -> (Option<Seeker<'a>>, Option<Deep<'a>>) {
-    let mut flight = Flight::new(&world.grid, &world.surfaces, world.eta, level);
+    let mut flight = Flight::new(&world.grid, &world.surfaces, eta, level);
     if seeker.is_some() {
         flight.note_visits();
     }

@@ -5,8 +5,9 @@ use super::outcome::Outcome;
 use super::{Deep, DeepSettings};
 use crate::camera::Camera;
 use crate::light::Lights;
+use crate::transport::over_picture::PathsOverPicture;
 use crate::transport::seek::{LightSearch, PathState, Seeker};
-use crate::transport::{Contribution, NewPath, PathResult, PathSource, trace_with};
+use crate::transport::{Contribution, trace_with};
 use crate::world::World;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -263,11 +264,11 @@ impl OutcomeField {
             .into_par_iter()
             .map(|task| {
                 let range = task * TASK..((task + 1) * TASK).min(paths);
-                let mut paths = Paths { camera, size, seed: seed ^ STREAM, range };
+                let mut paths = PathsOverPicture { camera, size, seed: seed ^ STREAM, range };
                 let seeker = search.map(|search| Seeker::new(world, camera, search, level));
                 let learner = Learner::new(&field, world.grid.quantum());
                 let (_, deep) = trace_with(
-                    world,
+                    (world, world.eta),
                     level,
                     (seeker, Some(Deep::Learn(Box::new(learner)))),
                     &mut paths,
@@ -280,26 +281,4 @@ impl OutcomeField {
             .reduce(Sums::default, Sums::merged);
         Some(field.learnt(&sums))
     }
-}
-
-/// Paths over a whole picture.
-struct Paths<'a> {
-    camera: &'a Camera,
-    size: [f64; 2],
-    seed: u64,
-    range: std::ops::Range<u64>,
-}
-
-impl PathSource for Paths<'_> {
-    type Tag = ();
-
-    fn next_path(&mut self) -> Option<NewPath<()>> {
-        let key = PathKey::new(self.seed, self.range.next()?, 0);
-        let [x, y, _] = numbers(key, 0).map(f64::from);
-        let [u, v, _] = numbers(key, 1).map(f64::from);
-        let ray = self.camera.ray(x * self.size[0], y * self.size[1], [u, v]);
-        Some(NewPath { tag: (), ray, key, event: 2 })
-    }
-
-    fn finish(&mut self, (): (), _: &PathResult) {}
 }

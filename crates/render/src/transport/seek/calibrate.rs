@@ -13,7 +13,8 @@ use super::gains::{Class, Tally};
 use super::shadow::{Beginning, Brings};
 use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
 use crate::camera::Camera;
-use crate::transport::{NewPath, PathResult, PathSource, trace_with};
+use crate::transport::over_picture::PathsOverPicture;
+use crate::transport::trace_with;
 use crate::world::World;
 use core::f64::consts::{PI, TAU};
 use rayon::prelude::*;
@@ -76,34 +77,13 @@ impl LightSearch {
                 let mut seeker = Seeker::new(world, camera, self, level);
                 seeker.tally = Some(Tally::default());
                 let range = task * TASK..((task + 1) * TASK).min(paths);
-                let mut paths = Paths { camera, size, seed, range };
-                let (seeker, _) = trace_with(world, level, (Some(seeker), None), &mut paths);
+                let mut paths = PathsOverPicture { camera, size, seed, range };
+                let (seeker, _) =
+                    trace_with((world, self.medium.eta), level, (Some(seeker), None), &mut paths);
                 seeker.and_then(|seeker| seeker.tally).unwrap_or_default()
             })
             .reduce(Tally::default, |sum, part| sum.merged(&part))
     }
-}
-
-/// Paths over a whole picture.
-struct Paths<'a> {
-    camera: &'a Camera,
-    size: [f64; 2],
-    seed: u64,
-    range: std::ops::Range<u64>,
-}
-
-impl PathSource for Paths<'_> {
-    type Tag = ();
-
-    fn next_path(&mut self) -> Option<NewPath<()>> {
-        let key = PathKey::new(self.seed, self.range.next()?, 0);
-        let [x, y, _] = numbers(key, 0).map(f64::from);
-        let [u, v, _] = numbers(key, 1).map(f64::from);
-        let ray = self.camera.ray(x * self.size[0], y * self.size[1], [u, v]);
-        Some(NewPath { tag: (), ray, key, event: 2 })
-    }
-
-    fn finish(&mut self, (): (), _: &PathResult) {}
 }
 
 impl Seeker<'_> {

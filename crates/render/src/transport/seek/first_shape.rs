@@ -28,7 +28,7 @@ impl Seeker<'_> {
         }
         let radius = f64::from(visit.radius);
         let along = DVec3::from_array(visit.direction.map(f64::from)).normalize();
-        let chain = self.world.grid.chain(shaped, along, radius, self.world.eta);
+        let chain = self.world.grid.chain(shaped, along, radius, self.search.medium.eta);
         let Some(chain) = chain else { return };
         let most = if visit.overlaps { SOLVED_ORDERS_OF_OVERLAPPED } else { chain.chords };
         trail.solved_orders = Some(most);

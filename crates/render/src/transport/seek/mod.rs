@@ -76,7 +76,7 @@ const STRAIGHT: f64 = 1e-9;
 const SEARCH: u32 = 0x5eed_1194;
 
 /// What the search for light needs to know of a scene: built once.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LightSearch {
     /// All lights.
     lights: Lights,
@@ -144,6 +144,20 @@ impl LightSearch {
             ScatterTable::of_samples(&scattered(shape, self.medium.eta, paths, level))
         };
         Self { of_shapes: prototypes.iter().map(table).collect(), ..self }
+    }
+
+    /// The same search among grains of another index nearby, for light of one colour: what is in closed form
+    /// follows that index, what was measured stays.
+    #[must_use]
+    pub(crate) fn refracting_by(&self, eta: f64) -> Self {
+        let medium = Dielectric { eta };
+        Self {
+            medium,
+            from_air: ScatterTable::for_air(medium),
+            from_ice: ScatterTable::for_ice(medium),
+            connector: Connector::new(medium, SOLVED_ORDERS),
+            ..self.clone()
+        }
     }
 
     fn table(&self, from: ArrivalFrom, prototype: Option<usize>) -> &ScatterTable {
@@ -269,7 +283,7 @@ impl<'a> Seeker<'a> {
             world,
             camera,
             search,
-            probes: Probes::new(&world.grid, &world.surfaces, world.eta, level),
+            probes: Probes::new(&world.grid, &world.surfaces, search.medium.eta, level),
             rays: Vec::new(),
             wanted: Vec::new(),
             tally: None,
