@@ -9,6 +9,7 @@
 mod colours;
 mod cubes;
 mod deposits;
+mod glints;
 mod grain;
 mod lights;
 mod pictures;
