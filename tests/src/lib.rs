@@ -14,6 +14,7 @@
 //!
 //! Lengths are in the unit of the scene given.
 
+mod account;
 mod ball;
 pub mod camera;
 pub mod cube;

@@ -1,12 +1,13 @@
 //! Light through the union of balls of ice and diffuse surfaces, one interface at a time.
 
+use crate::account::Account;
 use crate::ball::Ball;
 use crate::interface::Interface;
 use crate::search::{GrainSearch, Search};
 use crate::surfaces::{Hit, OracleSurface, Piece, SurfaceSearch};
 use snowgrain_geometry::Grain;
-use snowgrain_math::sampler::{self, PathKey};
-use snowgrain_math::{DVec3, frame};
+use snowgrain_math::DVec3;
+use snowgrain_math::sampler::PathKey;
 
 /// The scene: the ice is the union of all balls, surfaces are met in air and in ice alike.
 pub struct Oracle {
@@ -98,15 +99,12 @@ enum Medium {
 /// A path on its way.
 struct Walk<'a> {
     oracle: &'a Oracle,
-    key: PathKey,
-    next_event: u32,
+    account: Account,
     position: DVec3,
     direction: DVec3,
     medium: Medium,
     /// The surface piece that the ray starts on.
     leaving: Option<Piece>,
-    turns_in_ice: u32,
-    path: OraclePath,
 }
 
 impl Oracle {
@@ -170,7 +168,7 @@ impl Oracle {
         loop {
             match walk.step() {
                 Ok(event) => observe(event),
-                Err(end) => return OraclePath { end, ..walk.path },
+                Err(end) => return OraclePath { end, ..walk.account.path },
             }
         }
     }
@@ -202,26 +200,13 @@ impl<'a> Walk<'a> {
         key: PathKey,
         first_event: u32,
     ) -> Self {
-        let path = OraclePath {
-            end: PathEnd::Absorbed,
-            last_position: position,
-            throughput: DVec3::ONE,
-            ice_length: 0.0,
-            void_length: 0.0,
-            interface_events: 0,
-            grain_visits: 0,
-            diffuse_bounces: 0,
-        };
         let mut walk = Self {
             oracle,
-            key,
-            next_event: first_event,
+            account: Account::new(position, key, first_event),
             position,
             direction,
             medium: Medium::Air,
             leaving: None,
-            turns_in_ice: 0,
-            path,
         };
         walk.move_to(position);
         if let Some(ball) = oracle.grains.holding(walk.position) {
@@ -243,11 +228,11 @@ impl<'a> Walk<'a> {
         let surface = self.oracle.surfaces.nearest(o, d, f64::INFINITY, self.leaving);
         let limit = surface.map_or(f64::INFINITY, |hit| hit.t);
         if let Some((t, ball)) = self.oracle.grains.first_entry(o, d, limit) {
-            self.path.void_length += t;
+            self.account.path.void_length += t;
             return Ok(self.arrive_from_air(ball, t));
         }
         let Some(hit) = surface else { return Err(PathEnd::Escaped(d)) };
-        self.path.void_length += hit.t;
+        self.account.path.void_length += hit.t;
         let event = self.bounce(&hit, EventKind::DiffuseInAir)?;
         Ok(event)
     }
@@ -258,14 +243,14 @@ impl<'a> Walk<'a> {
         let (end, last) = chain[chain.len() - 1];
         if let Some(hit) = self.oracle.surfaces.nearest(o, d, end, self.leaving) {
             let (_, around) = chain.into_iter().find(|&(t, _)| hit.t <= t).unwrap_or((end, last));
-            self.path.ice_length += hit.t;
-            self.count_turn()?;
+            self.account.path.ice_length += hit.t;
+            self.account.count_turn()?;
             let event = self.bounce(&hit, EventKind::DiffuseInIce)?;
             let exit = around.exit(o + d * hit.t, self.direction);
             self.medium = Medium::Ice { ball: around, exit };
             return Ok(event);
         }
-        self.path.ice_length += end;
+        self.account.path.ice_length += end;
         self.arrive_from_ice(last, end)
     }
 
@@ -273,10 +258,10 @@ impl<'a> Walk<'a> {
         let point = ball.on_surface(self.position + self.direction * t);
         let normal = ball.normal(point);
         let interface = Interface::new(self.direction, normal, 1.0, self.oracle.eta);
-        self.path.grain_visits += 1;
-        let kind = if self.transmits(&interface) {
+        self.account.path.grain_visits += 1;
+        let kind = if self.account.transmits(&interface) {
             self.direction = interface.refracted;
-            self.turns_in_ice = 0;
+            self.account.enter_ice();
             self.medium = Medium::Ice { ball, exit: ball.chord(point, self.direction) };
             EventKind::Enter
         } else {
@@ -290,23 +275,17 @@ impl<'a> Walk<'a> {
         let point = ball.on_surface(self.position + self.direction * t);
         let normal = ball.normal(point);
         let interface = Interface::new(self.direction, -normal, self.oracle.eta, 1.0);
-        let kind = if self.transmits(&interface) {
+        let kind = if self.account.transmits(&interface) {
             self.direction = interface.refracted;
             self.medium = Medium::Air;
             EventKind::Leave
         } else {
-            self.count_turn()?;
+            self.account.count_turn()?;
             self.direction = interface.reflected;
             self.medium = Medium::Ice { ball, exit: ball.chord(point, self.direction) };
             EventKind::ReflectInside
         };
         Ok(self.leave_interface(kind, point, ball))
-    }
-
-    /// Takes the next event's numbers and decides whether light goes through.
-    fn transmits(&mut self, interface: &Interface) -> bool {
-        self.path.interface_events += 1;
-        f64::from(self.numbers()[0]) < 1.0 - interface.reflectance
     }
 
     fn leave_interface(&mut self, kind: EventKind, point: DVec3, ball: Ball) -> Event {
@@ -317,40 +296,13 @@ impl<'a> Walk<'a> {
 
     /// A diffuse reflection; the medium stays.
     fn bounce(&mut self, hit: &Hit, kind: EventKind) -> Result<Event, PathEnd> {
-        let [u0, u1, u2] = self.numbers().map(f64::from);
-        self.path.diffuse_bounces += 1;
-        self.path.throughput *= self.oracle.surfaces.albedo(hit.piece);
-        let largest = self.path.throughput.max_element();
-        if largest <= 0.0 {
-            return Err(PathEnd::Absorbed);
-        }
-        if largest < Oracle::ROULETTE_BELOW {
-            let survival = largest / Oracle::ROULETTE_BELOW;
-            if u0 >= survival {
-                return Err(PathEnd::Absorbed);
-            }
-            self.path.throughput /= survival;
-        }
+        let albedo = self.oracle.surfaces.albedo(hit.piece);
+        let direction = self.account.reflect_diffusely(albedo, hit.normal)?;
         self.move_to(self.position + self.direction * hit.t);
-        self.direction = frame::cosine_hemisphere(hit.normal, [u1, u2]);
+        self.direction = direction;
         self.leaving = Some(hit.piece);
         let body = hit.piece.object;
         Ok(Event { kind, position: self.position, direction: self.direction, body })
-    }
-
-    fn count_turn(&mut self) -> Result<(), PathEnd> {
-        self.turns_in_ice += 1;
-        if self.turns_in_ice < Oracle::TURNS_BEFORE_TRAPPED {
-            Ok(())
-        } else {
-            Err(PathEnd::Trapped)
-        }
-    }
-
-    fn numbers(&mut self) -> [f32; 3] {
-        let numbers = sampler::numbers(self.key, self.next_event);
-        self.next_event += 1;
-        numbers
     }
 
     /// Moves to `point`; in periodic snow to its twin in the first period, with the ball around.
@@ -360,7 +312,7 @@ impl<'a> Walk<'a> {
             shift = DVec3::new((point.x / x).floor() * x, 0.0, (point.z / z).floor() * z);
         }
         self.position = point - shift;
-        self.path.last_position = self.position;
+        self.account.path.last_position = self.position;
         if let Medium::Ice { ball, .. } = &mut self.medium {
             ball.center -= shift;
         }

@@ -3,13 +3,14 @@
 //!
 //! Events and random numbers are those of [`crate::Oracle`].
 
+use crate::account::Account;
 use crate::interface::Interface;
-use crate::oracle::{Oracle, OraclePath, PathEnd};
+use crate::oracle::{OraclePath, PathEnd};
 use crate::surfaces::{Hit, OracleSurface, Piece, SurfaceSearch};
 use snowgrain_geometry::Shape;
 use snowgrain_geometry::shape::{ConvexBody, Interval, SurfacePart};
-use snowgrain_math::sampler::{self, PathKey};
-use snowgrain_math::{DMat3, DVec3, frame};
+use snowgrain_math::sampler::PathKey;
+use snowgrain_math::{DMat3, DVec3};
 
 /// A grain: a prototype, turned, made as large as the radius of its sphere of equal volume, and moved.
 #[derive(Clone, Debug)]
@@ -40,8 +41,7 @@ pub struct ShapeOracle {
 
 struct Walk<'a> {
     oracle: &'a ShapeOracle,
-    key: PathKey,
-    next_event: u32,
+    account: Account,
     position: DVec3,
     direction: DVec3,
     /// The ice that the path is in, and how far its end is.
@@ -49,8 +49,6 @@ struct Walk<'a> {
     /// The convex part that a stretch in air leaves.
     leaving: Option<Part>,
     leaving_surface: Option<Piece>,
-    turns_in_ice: u32,
-    path: OraclePath,
 }
 
 impl ShapeOracle {
@@ -60,7 +58,7 @@ impl ShapeOracle {
         Self { grains, surfaces: SurfaceSearch::new(surfaces), eta }
     }
 
-    /// As [`Oracle::trace`], from a point in air.
+    /// As [`crate::Oracle::trace`], from a point in air.
     #[must_use]
     pub fn trace(
         &self,
@@ -69,31 +67,18 @@ impl ShapeOracle {
         key: PathKey,
         first_event: u32,
     ) -> OraclePath {
-        let path = OraclePath {
-            end: PathEnd::Absorbed,
-            last_position: origin,
-            throughput: DVec3::ONE,
-            ice_length: 0.0,
-            void_length: 0.0,
-            interface_events: 0,
-            grain_visits: 0,
-            diffuse_bounces: 0,
-        };
         let mut walk = Walk {
             oracle: self,
-            key,
-            next_event: first_event,
+            account: Account::new(origin, key, first_event),
             position: origin,
             direction,
             ice: None,
             leaving: None,
             leaving_surface: None,
-            turns_in_ice: 0,
-            path,
         };
         loop {
             if let Err(end) = walk.step() {
-                return OraclePath { end, last_position: walk.position, ..walk.path };
+                return OraclePath { end, last_position: walk.position, ..walk.account.path };
             }
         }
     }
@@ -162,15 +147,15 @@ impl Walk<'_> {
         }
         if let Some((part, interval)) = first {
             let t = interval.enter.max(0.0);
-            self.path.void_length += t;
-            self.path.grain_visits += 1;
+            self.account.path.void_length += t;
+            self.account.path.grain_visits += 1;
             let point = o + d * t;
             let normal = self.oracle.normal(part, interval.enter_part, point);
             let interface = Interface::new(d, normal, 1.0, self.oracle.eta);
-            let passes = self.transmits(&interface);
+            let passes = self.account.transmits(&interface);
             self.leave(point, if passes { interface.refracted } else { interface.reflected });
             if passes {
-                self.turns_in_ice = 0;
+                self.account.enter_ice();
                 self.enter(part);
             } else {
                 self.leaving = Some(part);
@@ -178,7 +163,7 @@ impl Walk<'_> {
             return Ok(());
         }
         let Some(hit) = surface else { return Err(PathEnd::Escaped(d)) };
-        self.path.void_length += hit.t;
+        self.account.path.void_length += hit.t;
         self.bounce(&hit)
     }
 
@@ -197,26 +182,26 @@ impl Walk<'_> {
         }
         let (last, end) = chain[chain.len() - 1];
         if let Some(hit) = self.oracle.surfaces.nearest(o, d, end, self.leaving_surface) {
-            self.path.ice_length += hit.t;
+            self.account.path.ice_length += hit.t;
             let around =
                 chain.into_iter().find(|&(_, t)| hit.t <= t).map_or(last, |(part, _)| part);
             self.bounce(&hit)?;
-            self.count_turn()?;
+            self.account.count_turn()?;
             self.enter(around);
             return Ok(());
         }
-        self.path.ice_length += end;
+        self.account.path.ice_length += end;
         let point = o + d * end;
         let on = self.oracle.interval(last, o, d).map_or(SurfacePart::Ellipsoid, |i| i.leave_part);
         let normal = self.oracle.normal(last, on, point);
         let interface = Interface::new(d, -normal, self.oracle.eta, 1.0);
-        let passes = self.transmits(&interface);
+        let passes = self.account.transmits(&interface);
         self.leave(point, if passes { interface.refracted } else { interface.reflected });
         if passes {
             self.ice = None;
             self.leaving = Some(last);
         } else {
-            self.count_turn()?;
+            self.account.count_turn()?;
             self.enter(last);
         }
         Ok(())
@@ -235,43 +220,11 @@ impl Walk<'_> {
     }
 
     fn bounce(&mut self, hit: &Hit) -> Result<(), PathEnd> {
-        let [u0, u1, u2] = self.numbers().map(f64::from);
-        self.path.diffuse_bounces += 1;
-        self.path.throughput *= self.oracle.surfaces.albedo(hit.piece);
-        let largest = self.path.throughput.max_element();
-        if largest <= 0.0 {
-            return Err(PathEnd::Absorbed);
-        }
-        if largest < Oracle::ROULETTE_BELOW {
-            let survival = largest / Oracle::ROULETTE_BELOW;
-            if u0 >= survival {
-                return Err(PathEnd::Absorbed);
-            }
-            self.path.throughput /= survival;
-        }
+        let albedo = self.oracle.surfaces.albedo(hit.piece);
+        let direction = self.account.reflect_diffusely(albedo, hit.normal)?;
         let point = self.position + self.direction * hit.t;
-        self.leave(point, frame::cosine_hemisphere(hit.normal, [u1, u2]));
+        self.leave(point, direction);
         self.leaving_surface = Some(hit.piece);
         Ok(())
-    }
-
-    fn transmits(&mut self, interface: &Interface) -> bool {
-        self.path.interface_events += 1;
-        f64::from(self.numbers()[0]) < 1.0 - interface.reflectance
-    }
-
-    fn count_turn(&mut self) -> Result<(), PathEnd> {
-        self.turns_in_ice += 1;
-        if self.turns_in_ice < Oracle::TURNS_BEFORE_TRAPPED {
-            Ok(())
-        } else {
-            Err(PathEnd::Trapped)
-        }
-    }
-
-    fn numbers(&mut self) -> [f32; 3] {
-        let numbers = sampler::numbers(self.key, self.next_event);
-        self.next_event += 1;
-        numbers
     }
 }

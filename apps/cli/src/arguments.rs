@@ -39,7 +39,7 @@ pub(crate) use merge::MergeArguments;
 pub(crate) use optics::{
     AlbedoArguments, BrdfArguments, BrdfMethod, ColourArguments, Method, OpticsArguments,
     OpticsKind, PackName, PhaseArguments, PolarisationName, ProfileArguments, SearchArguments,
-    ShapeName, SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
+    SnowArguments, SpreadArguments, SpreadMethod, TableFormat,
 };
 pub(crate) use render::RenderArguments;
 pub(crate) use series::Series;

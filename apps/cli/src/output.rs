@@ -1,7 +1,8 @@
 //! Data on standard output, words on standard error, figures in files.
 
+use crate::arguments::{PictureFile, PictureFormat};
 use crate::failure::{Failure, exit};
-use snowgrain_formats::atomic;
+use snowgrain_formats::{Claim, atomic};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -32,4 +33,13 @@ pub(crate) fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
 /// Writes a text file, whole or not at all.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     Ok(atomic::write(path, |writer| writer.write_all(text.as_bytes()))?)
+}
+
+/// Keeps other runs from the films among `files` until the claims are dropped.
+///
+/// # Errors
+/// A film that another run is at work on.
+pub(crate) fn claim_films(files: &[PictureFile]) -> Result<Vec<Claim>, Failure> {
+    let films = files.iter().filter(|file| file.format == PictureFormat::Film);
+    films.map(|file| Ok(Claim::take(&file.path)?)).collect()
 }

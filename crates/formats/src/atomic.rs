@@ -1,14 +1,18 @@
 //! Files that appear whole or not at all (contract 7 of `ARCHITECTURE.md`).
 
 use crate::FormatsError;
+use crate::fault_injection::{self, Injection, Step};
+use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, IntoInnerError, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// What temporary files are called: these around the number of the process and some letters.
 const PREFIX: &str = ".snowgrain-";
 const SUFFIX: &str = ".partial";
+/// What the files are called that [`crate::Claim`] locks: the prefix and this around the name of the file.
+const LOCK_SUFFIX: &str = ".lock";
 
 /// Writes a file through a temporary one in the same folder: filled by `body`, flushed to the disk,
 /// then renamed. On any error the file that was there before stays and the temporary one goes.
@@ -18,18 +22,46 @@ const SUFFIX: &str = ".partial";
 ///
 /// # Errors
 /// [`FormatsError::CannotCreate`] where no file can be made there, [`FormatsError::Write`] where
-/// `body` or the disk fails.
+/// `body` or the disk fails, [`FormatsError::Unconfirmed`] where the disk fails after the file has its name.
 pub fn write(
     path: &Path,
-    body: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+    body: impl FnOnce(&mut BufWriter<Content<'_>>) -> io::Result<()>,
 ) -> Result<(), FormatsError> {
     let target = target(path)?;
+    let injection = Injection::of(path);
+    let failed = |source| FormatsError::Write { path: path.to_path_buf(), source };
     let mut temporary = temporary_beside(path, &target)?;
-    fill(temporary.as_file_mut(), body)
-        .map_err(|source| FormatsError::Write { path: path.to_path_buf(), source })?;
+    injection.reach(Step::Create).map_err(failed)?;
+    fill(Content { file: temporary.as_file_mut(), written: 0, injection }, body).map_err(failed)?;
+    injection.reach(Step::Rename).map_err(failed)?;
     temporary.persist(&target.file).map_err(|failure| cannot_create(path, &failure.error))?;
-    sync_folder(&target.folder)
-        .map_err(|source| FormatsError::Write { path: path.to_path_buf(), source })
+    let confirmed = injection.reach(Step::SyncFolder);
+    let confirmed = confirmed.and_then(|()| sync_folder(&target.folder));
+    confirmed
+        .and_then(|()| injection.reach(Step::End))
+        .map_err(|source| FormatsError::Unconfirmed { path: path.to_path_buf(), source })
+}
+
+/// The content of a file that is being written.
+#[derive(Debug)]
+pub struct Content<'a> {
+    file: &'a mut File,
+    written: u64,
+    injection: Injection,
+}
+
+impl Write for Content<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.injection.reach(Step::Write { bytes: self.written })?;
+        let room = self.injection.room(self.written).and_then(|room| usize::try_from(room).ok());
+        let written = self.file.write(&bytes[..room.unwrap_or(usize::MAX).min(bytes.len())])?;
+        self.written += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 /// Whether a file could be written there now, so that a long run does not end in a surprise. An
@@ -55,6 +87,9 @@ fn target(path: &Path) -> Result<Target, FormatsError> {
     let refuse = |reason: &str| {
         Err(FormatsError::CannotCreate { path: path.to_path_buf(), reason: reason.into() })
     };
+    if let Err(reason) = fault_injection::check() {
+        return refuse(reason);
+    }
     if path.file_name().is_none() {
         return refuse("this does not name a file; add a file name");
     }
@@ -94,7 +129,7 @@ fn temporary_beside(path: &Path, target: &Target) -> Result<NamedTempFile, Forma
         let temporary = made.map_err(|error| cannot_create(path, &error))?;
         match temporary.as_file().lock() {
             // Between its making and its lock another process may have swept it.
-            Ok(()) if !is_there(&temporary) => {}
+            Ok(()) if !is_there(temporary.as_file(), temporary.path()) => {}
             Ok(()) => return Ok(temporary),
             // Where files cannot be locked none is swept.
             Err(_) => return Ok(temporary),
@@ -102,32 +137,43 @@ fn temporary_beside(path: &Path, target: &Target) -> Result<NamedTempFile, Forma
     }
 }
 
-/// Whether a temporary file still stands where it was made.
+/// The file that is locked as long as someone works on `path`.
+pub(crate) fn lock_file(path: &Path) -> Result<PathBuf, FormatsError> {
+    let Target { folder, file } = target(path)?;
+    let mut name = OsString::from(PREFIX);
+    name.push(file.file_name().unwrap_or_default());
+    name.push(LOCK_SUFFIX);
+    Ok(folder.join(name))
+}
+
+/// Whether an open file still stands where it was opened.
 #[cfg(unix)]
-fn is_there(temporary: &NamedTempFile) -> bool {
+pub(crate) fn is_there(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
-    let (own, found) = (temporary.as_file().metadata(), fs::symlink_metadata(temporary.path()));
+    let (own, found) = (file.metadata(), fs::symlink_metadata(path));
     own.is_ok_and(|own| found.is_ok_and(|found| identity(own) == identity(found)))
 }
 
 #[cfg(not(unix))]
-fn is_there(temporary: &NamedTempFile) -> bool {
-    temporary.path().exists()
+pub(crate) fn is_there(_file: &File, path: &Path) -> bool {
+    path.exists()
 }
 
-/// Removes temporary files that nobody holds. What cannot be looked at is left.
+/// Removes temporary files and claims that nobody holds. What cannot be looked at is left.
 fn sweep(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        if !(is_file && name.starts_with(PREFIX) && name.ends_with(SUFFIX)) {
+        let is_ours = name.ends_with(SUFFIX) || name.ends_with(LOCK_SUFFIX);
+        if !(is_file && name.starts_with(PREFIX) && is_ours) {
             continue;
         }
         if let Ok(file) = File::open(entry.path())
             && file.try_lock().is_ok()
+            && is_there(&file, &entry.path())
         {
             // Whoever cannot remove it leaves it to others.
             let _ = fs::remove_file(entry.path());
@@ -135,20 +181,21 @@ fn sweep(folder: &Path) {
     }
 }
 
-fn cannot_create(path: &Path, error: &io::Error) -> FormatsError {
-    let reason = format!("{error}; choose another folder or make this one writable");
+pub(crate) fn cannot_create(path: &Path, error: &io::Error) -> FormatsError {
+    // What the error says would name the temporary file, too.
+    let reason = format!("{}; choose another folder or make this one writable", error.kind());
     FormatsError::CannotCreate { path: path.to_path_buf(), reason }
 }
 
 fn fill(
-    file: &mut File,
-    body: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+    content: Content<'_>,
+    body: impl FnOnce(&mut BufWriter<Content<'_>>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut writer = BufWriter::with_capacity(1 << 20, &mut *file);
+    let mut writer = BufWriter::with_capacity(1 << 20, content);
     body(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
-    file.sync_all()
+    let content = writer.into_inner().map_err(IntoInnerError::into_error)?;
+    content.injection.reach(Step::Sync)?;
+    content.file.sync_all()
 }
 
 /// Makes the new name durable, where the system can do that for folders.

@@ -105,6 +105,30 @@ pub enum FormatsError {
         /// The cause.
         source: io::Error,
     },
+    /// The file is whole and has its name, but the disk did not confirm the name.
+    #[error(
+        "{}: it is written, but the disk does not confirm that it keeps its name ({source}); check the disk, and \
+         that the file is there",
+        path.display()
+    )]
+    Unconfirmed {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// Another run works on the file.
+    #[error(
+        "{}: another run{} is at work on this file; wait until it has ended, or name another file",
+        path.display(),
+        process.map_or_else(String::new, |process| format!(" (process {process})"))
+    )]
+    Busy {
+        /// The file.
+        path: PathBuf,
+        /// The number of its process, where it is known.
+        process: Option<u32>,
+    },
 }
 
 impl FormatsError {
@@ -117,7 +141,8 @@ impl FormatsError {
             Self::TooLarge { .. } => 69,
             Self::BadOutput { .. } => 70,
             Self::CannotCreate { .. } => 73,
-            Self::Read { .. } | Self::Write { .. } => 74,
+            Self::Read { .. } | Self::Write { .. } | Self::Unconfirmed { .. } => 74,
+            Self::Busy { .. } => 75,
         }
     }
 

@@ -20,8 +20,10 @@
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
+mod claim;
 mod environment;
 mod error;
+mod fault_injection;
 mod film_file;
 mod folder;
 mod gltf;
@@ -40,6 +42,7 @@ mod test_files;
 pub mod tev;
 mod texture;
 
+pub use claim::Claim;
 pub use environment::load_environment;
 pub use error::{FormatsError, Place};
 pub use film_file::{FilmSummary, film_summary, read_film, write_film};

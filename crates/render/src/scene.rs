@@ -1,5 +1,7 @@
 //! A scene that light can travel through.
 
+mod quantisation;
+
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
@@ -9,13 +11,14 @@ use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
+use quantisation::{check_sizes, quantisation_of};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
 use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
 use snowgrain_grains::{
-    DepositReport, FillReport, GrainField, GrainsError, LatticeCell, LatticeSettings, Snowfall,
+    DepositReport, FillReport, GrainField, LatticeCell, LatticeSettings, Snowfall,
 };
-use snowgrain_math::{Aabb, DAffine3, DVec3};
+use snowgrain_math::DAffine3;
 use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
@@ -423,88 +426,4 @@ fn fall(
         known.learn(index, &snowfall);
     }
     known.shaped(snowfall.into_field())
-}
-
-/// Least mean radius, in quanta, of grains that share a scene with larger ones.
-const LEAST_MEAN_RADIUS_QUANTA: f64 = 32.0;
-
-/// Refuses snow whose grains are so much smaller than others of the scene that rounding to their
-/// common quanta would change them.
-fn check_sizes(
-    description: &SceneDescription,
-    quantisation: Quantisation,
-) -> Result<(), RenderError> {
-    for (index, snow) in description.snow.iter().enumerate() {
-        let mean = match snow {
-            SnowDescription::Deposit(settings) => settings.radii.mean(),
-            SnowDescription::Filled(settings) => settings.pack.radii.mean(),
-            SnowDescription::Lattice(settings) => settings.radius,
-            SnowDescription::Grains(_) => continue,
-        };
-        let least = LEAST_MEAN_RADIUS_QUANTA * quantisation.quantum();
-        if mean < least {
-            let largest = quantisation.largest_radius();
-            let reason = format!(
-                "{mean} m is too small beside grains of {largest} m in the same scene; use at least {least:.3e} m"
-            );
-            let source = GrainsError::Setting { key: "radius", reason };
-            return Err(RenderError::Snow { index, source });
-        }
-    }
-    Ok(())
-}
-
-/// One lattice of quanta for all snow of a scene: that of a grain file where it holds all other
-/// grains too (so that the file comes back bit for bit), else made for the longest reach of a grain around
-/// the whole metre nearest to the middle of the scene.
-fn quantisation_of(description: &SceneDescription, surfaces: &Surfaces) -> Quantisation {
-    let mut largest: f64 = 0.0;
-    let mut bounds = surfaces.bounds();
-    let mut from_file: Option<Quantisation> = None;
-    // Lattices start at the origin of the quanta, which must then be that of the scene.
-    let mut at_origin = false;
-    for (body, snow) in description.snow.iter().enumerate() {
-        let reach = description.reach_of(body);
-        match snow {
-            SnowDescription::Deposit(settings) => {
-                largest = largest.max(settings.radii.largest() * reach);
-                if let Some([x0, z0, x1, z1]) = settings.area {
-                    bounds =
-                        bounds.union(&Aabb::new(DVec3::new(x0, 0.0, z0), DVec3::new(x1, 0.0, z1)));
-                }
-            }
-            SnowDescription::Filled(settings) => {
-                largest = largest.max(settings.pack.radii.largest() * reach);
-                bounds = bounds.union(&settings.body.bounds());
-            }
-            SnowDescription::Lattice(settings) => {
-                largest = largest.max(settings.radius * reach);
-                at_origin = true;
-            }
-            SnowDescription::Grains(field) => {
-                let mixed = description.shapes_of(body).is_some();
-                let radius =
-                    f64::from(field.largest_radius_quanta()) * field.quantisation.quantum();
-                let farthest = if mixed { radius * reach } else { field.largest_reach() };
-                largest = largest.max(farthest);
-                bounds = bounds.union(&field.bounds());
-                if from_file.is_none_or(|q| q.quantum() < field.quantisation.quantum()) {
-                    from_file = Some(field.quantisation);
-                }
-            }
-        }
-    }
-    // The radii of shapes were rounded too, up by half a quantum at most, and grains reach that much farther.
-    let bodies = 0..description.snow.len();
-    let reach = bodies.map(|body| description.reach_of(body)).fold(0.0, f64::max);
-    let slack = if description.has_shapes() { reach } else { 0.0 };
-    let usable = |q: &Quantisation| {
-        largest <= q.largest_radius() + slack * q.quantum()
-            && (!at_origin || q.origin() == DVec3::ZERO)
-    };
-    if let Some(quantisation) = from_file.filter(usable) {
-        return quantisation;
-    }
-    let origin = if bounds.is_empty() || at_origin { DVec3::ZERO } else { bounds.center().round() };
-    Quantisation::for_grains(origin, if largest > 0.0 { largest } else { 1.0 })
 }

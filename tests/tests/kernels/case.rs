@@ -1,12 +1,13 @@
 //! Grains, what lies among them and where rays come from: for the kernels and for the oracle.
 
 use super::ETA;
+use super::paths::{self, on_sphere};
 use snowgrain_accel::{GrainGrid, Packing as Density, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Grain, Quantisation, QuantisedGrain};
 use snowgrain_grains::{GrainField, LatticeCell};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DAffine3, DVec3, Ray, frame};
-use snowgrain_render::transport::{self, NewPath, PathResult, PathSource};
+use snowgrain_render::transport::{self, PathResult};
 use snowgrain_render::{Material, World};
 use snowgrain_tests::{Oracle, OracleShape, OracleSurface, PathEnd, Search};
 
@@ -42,12 +43,6 @@ pub(super) struct Case {
     pub(super) strata: Vec<u8>,
 }
 
-/// A point on the unit sphere.
-fn on_sphere([u, v, w]: [f32; 3]) -> DVec3 {
-    let pole = if w < 0.5 { DVec3::Y } else { -DVec3::Y };
-    frame::cosine_hemisphere(pole, [f64::from(u), f64::from(v)])
-}
-
 /// The first ray of a path, which takes its events 0 and 1.
 fn start(case: &Case, key: PathKey) -> Ray {
     let (first, second) = (numbers(key, 0), numbers(key, 1));
@@ -71,31 +66,6 @@ fn start(case: &Case, key: PathKey) -> Ray {
             let direction = frame::cosine_hemisphere(-DVec3::Y, [a, b]);
             Ray::new(DVec3::new(u * x, height, v * z), direction)
         }
-    }
-}
-
-struct Recorder<'a> {
-    case: &'a Case,
-    next: u64,
-    end: u64,
-    results: Vec<Option<PathResult>>,
-}
-
-impl PathSource for Recorder<'_> {
-    type Tag = u64;
-
-    fn next_path(&mut self) -> Option<NewPath<u64>> {
-        if self.next == self.end {
-            return None;
-        }
-        let tag = self.next;
-        self.next += 1;
-        let key = PathKey::new(9, tag, 0);
-        Some(NewPath { tag, ray: start(self.case, key), key, event: 2 })
-    }
-
-    fn finish(&mut self, tag: u64, result: &PathResult) {
-        self.results[tag as usize] = Some(*result);
     }
 }
 
@@ -161,10 +131,7 @@ impl Case {
     }
 
     pub(super) fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {
-        let mut recorder =
-            Recorder { case: self, next: 0, end: paths, results: vec![None; paths as usize] };
-        transport::trace(&self.world(), level, &mut recorder);
-        recorder.results.into_iter().map(Option::unwrap).collect()
+        paths::trace(&self.world(), level, paths, |key| start(self, key))
     }
 
     /// Compares every short path number by number and all in the mean.
@@ -186,7 +153,7 @@ impl Case {
         let mut squares = 0.0;
         let mut released = 0;
         for (tag, fast) in self.trace(SimdLevel::detect(), paths).iter().enumerate() {
-            let key = PathKey::new(9, tag as u64, 0);
+            let key = paths::key(tag as u64);
             let start = start(self, key);
             let exact = oracle.trace(start.origin, start.direction, key, 2);
             released += fast.releases;

@@ -6,6 +6,8 @@
 #![expect(clippy::unwrap_used, reason = "what cannot go on fails the test")]
 
 mod case;
+mod paths;
+mod shapes;
 
 use snowgrain_accel::{
     GrainGrid, GridError, Packing as Density, SimdLevel, SurfaceShape, Surfaces,

@@ -239,15 +239,28 @@ fn a_preview_of_all_samples_shows_the_colours_of_the_film() {
     let crop = PixelRect::new(3, 1, whole(&scene).x1, whole(&scene).y1 - 2);
     let settings = RenderSettings { samples: 5..12, crop, level: SimdLevel::detect() };
     let (rendered, preview) = render_with(&scene, &settings, |rendering| {
-        assert!(rendering.preview().unwrap().is_none(), "nothing is rendered yet");
+        assert!(rendering.preview(None).unwrap().is_none(), "nothing is rendered yet");
         rendering.run(&control).unwrap();
         assert_eq!(rendering.samples(), 7);
-        rendering.preview().unwrap().unwrap()
+        rendering.preview(None).unwrap().unwrap()
     })
     .unwrap();
     let picture = Picture::from_film(&rendered.film).unwrap();
     assert_eq!(preview.colour().unwrap(), picture.colour().unwrap());
-    assert_eq!(samples_done.into_inner(), 7 * crop.area());
+    assert_eq!(samples_done.load(Ordering::Relaxed), 7 * crop.area());
+    let earlier = rendered.film;
+    let settings = RenderSettings { samples: 12..15, ..settings };
+    let (rendered, [before, after]) = render_with(&scene, &settings, |rendering| {
+        let before = rendering.preview(Some(&earlier)).unwrap().unwrap();
+        rendering.run(&control).unwrap();
+        [before, rendering.preview(Some(&earlier)).unwrap().unwrap()]
+    })
+    .unwrap();
+    assert_eq!(before.colour().unwrap(), picture.colour().unwrap());
+    let mut resumed = rendered.film;
+    resumed.merge(&earlier).unwrap();
+    let picture = Picture::from_film(&resumed).unwrap();
+    assert_eq!(after.colour().unwrap(), picture.colour().unwrap());
 }
 
 #[test]

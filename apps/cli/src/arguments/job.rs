@@ -7,8 +7,10 @@ use std::path::PathBuf;
 
 /// Cuts a large render into tasks that any number of machines can do in any order.
 ///
-/// A job is a JSON file. Each task renders some samples of one picture to a film beside it; `snowgrain merge` adds
-/// them. A task that was stopped or killed goes on where it was, one that is finished ends at once.
+/// A job is a JSON file. Each task renders some samples of one picture to a film in NAME-parts beside it, by a name
+/// of point of the sweep, frame (0 where there are none) and first sample; `snowgrain merge` adds them. A task that
+/// was stopped or killed goes on where it was, one that is finished ends at once, and one that another machine is at
+/// work on ends with exit code 75.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     snowgrain job plan scene.toml --samples 1024 --per-task 16 -o job.json\n  \
@@ -28,7 +30,7 @@ pub(crate) enum JobKind {
     Status(StatusArguments),
 }
 
-/// Writes a job.
+/// Writes a job. Every value of the sweep is tried: a scene that cannot be loaded is refused.
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
     #[command(flatten)]

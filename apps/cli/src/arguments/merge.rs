@@ -13,7 +13,8 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:\n  \
     snowgrain merge parts/*.film -o whole.film -o whole.exr\n  \
     snowgrain merge parts/*.film --require 0..1024 -o whole.film\n\n\
-    Exit code 75: samples are missing (they are listed); nothing is written.")]
+    Exit code 75: samples are missing (they are listed), or another run is at work on a film that is to be written;\n\
+    nothing is written. A film of the same render is only replaced by a sum that holds all of its samples.")]
 pub(crate) struct MergeArguments {
     /// The films
     #[arg(required = true, value_name = "FILM")]

@@ -13,7 +13,7 @@ use snowgrain_render::laboratory::Pack;
 use std::path::PathBuf;
 
 pub(crate) use brdf::{BrdfArguments, BrdfMethod};
-pub(crate) use shape::{ShapeArguments, ShapeName};
+pub(crate) use shape::ShapeArguments;
 pub(crate) use spread::{SpreadArguments, SpreadMethod};
 
 /// The snow laboratory: what flat layers of snow do to light at each wavelength.

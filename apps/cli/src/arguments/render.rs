@@ -31,7 +31,8 @@ use std::time::Duration;
     snowgrain render scene.toml --samples 0..64 -o part0.film\n  \
     snowgrain render scene.toml --dry-run\n\n\
     The first Ctrl-C stops after the running tiles and writes what there is; the second aborts.\n\
-    A film that already holds all that is asked for ends the run at once, with exit code 0.")]
+    A film that already holds all that is asked for ends the run at once, with exit code 0; one of the same render\n\
+    whose samples would be lost is refused (2, or 65 with --resume), and so is one that another run is at work on (75).")]
 pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,

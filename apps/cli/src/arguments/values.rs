@@ -1,7 +1,7 @@
 //! Values on the command line that have a form of their own.
 
 use snowgrain_film::PixelRect;
-use snowgrain_formats::scene::document::SnowKindName;
+use snowgrain_formats::scene::document::{ShapeName, SnowKindName};
 use snowgrain_formats::scene::{Length, MeshUnits, UpAxis};
 use snowgrain_grains::{DepositRule, LatticeKind};
 use snowgrain_render::View;
@@ -199,6 +199,15 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
 pub(super) fn kind(name: &str) -> Result<SnowKindName, String> {
     SnowKindName::from_name(name).ok_or_else(|| {
         let names = SnowKindName::ALL.map(SnowKindName::name);
+        format!("write one of {}", names.join(", "))
+    })
+}
+
+/// A shape of grains that needs no file.
+pub(super) fn shape(name: &str) -> Result<ShapeName, String> {
+    let mut shapes = ShapeName::OF_NUMBERS.into_iter();
+    shapes.find(|shape| shape.name() == name).ok_or_else(|| {
+        let names = ShapeName::OF_NUMBERS.map(ShapeName::name);
         format!("write one of {}", names.join(", "))
     })
 }

@@ -9,6 +9,7 @@ use snowgrain_film::develop::{self, Development, Exposure};
 use snowgrain_film::{Film, Picture};
 use snowgrain_formats::{atomic, image, write_film};
 use snowgrain_render::Rendering;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -31,13 +32,17 @@ pub(super) struct Pictures<'a> {
 
 impl<'a> Pictures<'a> {
     /// # Errors
-    /// A file that cannot be created, or options of the display that do not go together.
+    /// A file that cannot be created or is named twice, or options of the display that do not go together.
     pub(super) fn new(
         files: &'a [PictureFile],
         display: &DisplayArguments,
     ) -> Result<Self, Failure> {
         let development = display.development()?;
-        for file in files {
+        for (index, file) in files.iter().enumerate() {
+            if files[..index].iter().any(|other| is_same(&other.path, &file.path)) {
+                let what = "two of the files that are to be written have this name; name two";
+                return Err(Failure::usage(what).of(&file.path.display().to_string()));
+            }
             atomic::check_writable_target(&file.path)?;
         }
         Ok(Self { files, viewer: None, development, bits: display.bits })
@@ -109,11 +114,11 @@ impl<'a> Pictures<'a> {
         Ok(())
     }
 
-    /// Does `work` and meanwhile refreshes the PNG files and what the viewer shows, on a thread of its
-    /// own.
+    /// Does `work` and meanwhile refreshes the PNG files and what the viewer shows, together with the film of an
+    /// earlier run, on a thread of its own.
     pub(super) fn refreshed<T>(
         &self,
-        rendering: &Rendering,
+        (rendering, earlier): (&Rendering, Option<&Film>),
         interrupts: &Interrupts,
         progress: &Progress,
         work: impl FnOnce() -> T,
@@ -121,7 +126,9 @@ impl<'a> Pictures<'a> {
         std::thread::scope(|scope| {
             let (working, ended) = channel::<()>();
             if self.shown().next().is_some() || self.viewer.is_some() {
-                scope.spawn(move || self.refresh(rendering, interrupts, progress, &ended));
+                scope.spawn(move || {
+                    self.refresh((rendering, earlier), interrupts, progress, &ended);
+                });
             }
             let result = work();
             drop(working);
@@ -133,7 +140,7 @@ impl<'a> Pictures<'a> {
     /// every now and then. A file that cannot be written now is told and left until the end.
     fn refresh(
         &self,
-        rendering: &Rendering,
+        (rendering, earlier): (&Rendering, Option<&Film>),
         interrupts: &Interrupts,
         progress: &Progress,
         ended: &Receiver<()>,
@@ -150,7 +157,7 @@ impl<'a> Pictures<'a> {
                 continue;
             }
             let began = Instant::now();
-            let written = match rendering.preview() {
+            let written = match rendering.preview(earlier) {
                 Ok(None) => continue,
                 Ok(Some(picture)) => {
                     let written = interrupts.while_writing(|| self.write_preview(&picture));
@@ -177,4 +184,9 @@ impl<'a> Pictures<'a> {
             due = Instant::now() + REFRESH.max(began.elapsed() * SHARE);
         }
     }
+}
+
+/// Whether two paths name the same file, however they are written.
+fn is_same(a: &Path, b: &Path) -> bool {
+    std::path::absolute(a).is_ok_and(|a| std::path::absolute(b).is_ok_and(|b| a == b))
 }

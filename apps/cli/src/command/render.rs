@@ -28,7 +28,7 @@ use snowgrain_denoise::Denoiser;
 use snowgrain_film::{Film, PixelRect};
 use snowgrain_formats::{atomic, scene};
 use snowgrain_render::description::{Packing, SceneDescription};
-use snowgrain_render::{BuildStage, CostEstimate, RenderSettings, Scene};
+use snowgrain_render::{BuildStage, CostEstimate, RenderSettings, Scene, recipe};
 use std::time::Instant;
 use task::{Task, picture_of};
 
@@ -78,9 +78,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let samples = arguments.samples.clone();
     let samples = samples.unwrap_or(0..u64::from(description.film.samples_per_pixel));
     let request = Request::new(arguments, description, crop, samples.clone());
-    let earlier = request.earlier_film(arguments)?;
+    let _claims = output::claim_films(&arguments.output)?;
+    let earlier = request.earlier_film(arguments, &progress)?;
     if let Some(film) = earlier.as_ref().filter(|film| request.is_finished(film)) {
-        progress.note("the film is finished already; nothing is traced");
+        progress.note(&request.told_of_finished(film, arguments));
         write_again(film, arguments, &pictures, denoiser.as_ref())?;
         return Ok(0);
     }
@@ -104,6 +105,17 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let (rendered, spent) = task.render(earlier, &pictures, &interrupts, &progress)?;
     progress.finish();
     task.report(&pictures, &interrupts, &progress, &rendered, times, spent)
+}
+
+/// Digests ([`recipe`]) that a film of these arguments may have, whatever `--max-memory` it is rendered with.
+///
+/// # Errors
+/// A scene that cannot be loaded.
+pub(super) fn recipes(arguments: &RenderArguments) -> Result<[[u8; 32]; 2], Failure> {
+    let mut scene = load(arguments, &Progress::new(true, false))?.description;
+    let chosen = recipe(&scene);
+    scene.packing.get_or_insert(Packing::Compact);
+    Ok([chosen, recipe(&scene)])
 }
 
 /// Options that only show in a kind of file that is not asked for.

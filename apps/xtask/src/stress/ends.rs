@@ -1,19 +1,27 @@
 //! Renders that are ended from outside at random times.
 
 use super::{Bench, ended};
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 use snowgrain_film::Film;
 use snowgrain_formats::read_film;
 use snowgrain_math::sampler::split_mix;
 use std::process::{Child, Command};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-const FILM: &str = "a.film";
-const ENDLESS: [&str; 5] = ["--spp", "4000000000", "--resume", "-o", FILM];
+pub(super) const FILM: &str = "a.film";
+pub(super) const ENDLESS: [&str; 5] = ["--spp", "4000000000", "--resume", "-o", FILM];
 
-/// A random time from a moment after the start on.
-fn wait(seed: u64, least: u64, most: u64) {
-    std::thread::sleep(Duration::from_millis(least + split_mix(seed) % (most - least)));
+/// Begins the film with one sample; how long that takes says when there is something to end.
+fn begin(bench: &Bench) -> Result<Duration> {
+    let start = Instant::now();
+    bench.render(&["--spp", "1", "-o", FILM])?;
+    Ok(start.elapsed())
+}
+
+/// A random time from shortly before the first sample to well after it.
+fn wait(seed: u64, first_sample: Duration) {
+    let unit = split_mix(seed) as f64 / u64::MAX as f64;
+    std::thread::sleep(first_sample.mul_f64(0.3 + 1.7 * unit));
 }
 
 fn send(child: &Child, signal: &str) -> Result<()> {
@@ -23,7 +31,7 @@ fn send(child: &Child, signal: &str) -> Result<()> {
 }
 
 /// The film that is there, which must be whole and hold at least what it did before.
-fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
+pub(super) fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
     if !bench.path(FILM).exists() {
         ensure!(before == 0, "the film is gone");
         return Ok(None);
@@ -35,8 +43,9 @@ fn film(bench: &Bench, before: u64) -> Result<Option<Film>> {
 }
 
 /// Whether the film has the bytes of a render of its samples without a break.
-fn compare_with_whole(bench: &Bench) -> Result<u64> {
-    let Some(film) = film(bench, 0)? else { return Ok(0) };
+pub(super) fn compare_with_whole(bench: &Bench) -> Result<u64> {
+    let film = film(bench, 0)?.context("no film was ever saved")?;
+    ensure!(film.samples().total() > 1, "nothing was rendered beyond the first sample");
     let held = film.samples().to_string();
     bench.render(&["--samples", &held, "-o", "whole.film"])?;
     let same = std::fs::read(bench.path(FILM))? == std::fs::read(bench.path("whole.film"))?;
@@ -49,10 +58,11 @@ fn compare_with_whole(bench: &Bench) -> Result<u64> {
 }
 
 pub(super) fn kills(bench: &Bench, count: u64) -> Result<String> {
-    let (mut held, mut inside) = (0, 0);
+    let first_sample = begin(bench)?;
+    let (mut held, mut inside) = (1, 0);
     for kill in 0..count {
         let mut child = bench.start(&[&ENDLESS[..], &["--checkpoint-every", "1ms"]].concat())?;
-        wait(kill, 150, 900);
+        wait(kill, first_sample);
         child.kill()?;
         child.wait()?;
         let left = bench.partial_files()?;
@@ -77,10 +87,11 @@ pub(super) fn kills(bench: &Bench, count: u64) -> Result<String> {
 }
 
 pub(super) fn stops(bench: &Bench, count: u64) -> Result<String> {
-    let mut held = 0;
+    let first_sample = begin(bench)?;
+    let mut held = 1;
     for stop in 0..count {
         let mut child = bench.start(&ENDLESS)?;
-        wait(1000 + stop, 50, 900);
+        wait(1000 + stop, first_sample);
         send(&child, "TERM")?;
         let status = ended(&mut child)?;
         ensure!(status.code() == Some(143), "a stopped render ended with {status}");
@@ -93,10 +104,11 @@ pub(super) fn stops(bench: &Bench, count: u64) -> Result<String> {
 
 /// Signals one after another, as fast as they can be sent.
 pub(super) fn storm(bench: &Bench) -> Result<String> {
-    let (mut held, mut sent) = (0, 0);
+    let first_sample = begin(bench)?;
+    let (mut held, mut sent) = (1, 0);
     for round in 0..10 {
         let mut child = bench.start(&[&ENDLESS[..], &["--checkpoint-every", "20ms"]].concat())?;
-        wait(2000 + round, 200, 700);
+        wait(2000 + round, first_sample);
         for signal in ["TERM", "HUP", "INT", "TERM", "HUP", "TERM"] {
             if child.try_wait()?.is_none() {
                 send(&child, signal)?;

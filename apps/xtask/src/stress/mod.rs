@@ -2,6 +2,7 @@
 
 mod cost;
 mod ends;
+mod faults;
 mod inputs;
 mod limits;
 
@@ -17,6 +18,10 @@ pub(crate) struct Options {
     /// Kills at random times
     #[arg(long, value_name = "N", default_value_t = 100)]
     kills: u64,
+
+    /// Rounds of kills at each of nine steps of the writing of a film
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    fault_rounds: u64,
 
     /// Stops at random times
     #[arg(long, value_name = "N", default_value_t = 20)]
@@ -54,11 +59,21 @@ impl Bench {
         self.folder.path().join(name)
     }
 
+    /// The program in the folder.
+    fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.program);
+        command.current_dir(self.folder.path()).args(arguments).stderr(Stdio::null());
+        command
+    }
+
+    /// A render of [`SNOW`].
+    fn command(&self, arguments: &[&str]) -> Command {
+        self.program(&[&["render"], &SNOW[..], arguments].concat())
+    }
+
     /// Starts a render of [`SNOW`].
     fn start(&self, arguments: &[&str]) -> Result<Child> {
-        let mut command = Command::new(&self.program);
-        command.current_dir(self.folder.path()).arg("render").args(SNOW).args(arguments);
-        Ok(command.stderr(Stdio::null()).spawn()?)
+        Ok(self.command(arguments).spawn()?)
     }
 
     /// Renders [`SNOW`] to its end.
@@ -114,6 +129,8 @@ pub(crate) fn stress(options: &Options) -> Result<bool> {
         }
     };
     tell("kills", ends::kills(&bench, options.kills).context("kill -9"));
+    tell("kills at steps", faults::kills(&bench, options.fault_rounds).context("kill -9"));
+    tell("broken disk", faults::broken_disk(&bench));
     tell("stops", ends::stops(&bench, options.stops).context("SIGTERM"));
     tell("signal storm", ends::storm(&bench));
     tell("file size", limits::file_size(&bench));

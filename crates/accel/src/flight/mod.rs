@@ -7,6 +7,7 @@
 
 mod blocks;
 mod crystal;
+mod meeting;
 mod probe;
 pub(crate) mod random;
 mod shapes;

@@ -3,7 +3,7 @@
 
 use super::block::OVERLAPS;
 use super::build::{PAD, longest_side, overlaps, reaches_cell};
-use super::{Block, CellEntry, GRAINS_PER_BLOCK, GridError};
+use super::{Block, CellEntry, GRAINS_PER_BLOCK, GrainGrid, GridError, LatticeSites, Storage};
 use snowgrain_geometry::Quantisation;
 
 /// A conventional cell of a crystal lattice, in quanta.
@@ -168,4 +168,73 @@ fn basis_overlaps(cell: &LatticeCell) -> bool {
         .collect();
     let r = cell.radius_quanta;
     cell.basis.iter().any(|a| all.iter().any(|b| a != b && overlaps(*a, r, *b, r)))
+}
+
+impl GrainGrid {
+    /// A crystal lattice of `counts` conventional cells whose first has its low corner at the
+    /// lattice coordinate `first`; no memory, or that of one cell's blocks where grains overlap or
+    /// are not all alike (hexagonal lattices). `periodic` repeats it for ever along an axis.
+    ///
+    /// # Errors
+    /// A cell that holds too many grains, or that is too wide ([`LatticeCell::pieces`]).
+    pub fn lattice(
+        quantisation: Quantisation,
+        cell: &LatticeCell,
+        counts: [u32; 3],
+        first: [i32; 3],
+        periodic: [bool; 3],
+    ) -> Result<Self, GridError> {
+        let grains = counts.map(u64::from).iter().product::<u64>() * cell.basis.len() as u64;
+        if let Some(sites) = LatticeSites::new(cell, counts, first, periodic) {
+            return Ok(Self {
+                quantisation,
+                first: first.map(i64::from),
+                side: cell.side_quanta,
+                cells: counts.map(u32::cast_signed),
+                periodic,
+                margin: 0,
+                storage: Storage::Sites(sites),
+                blocks: Vec::new(),
+                strata: Vec::new(),
+                shapes: None,
+                grains,
+            });
+        }
+        Self::lattice_in_cells(quantisation, cell, counts, first, periodic)
+    }
+
+    /// As [`Self::lattice`], always of cells whose blocks can be asked: what light that looks for other
+    /// light at each grain needs.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn lattice_in_cells(
+        quantisation: Quantisation,
+        cell: &LatticeCell,
+        counts: [u32; 3],
+        first: [i32; 3],
+        periodic: [bool; 3],
+    ) -> Result<Self, GridError> {
+        let grains = counts.map(u64::from).iter().product::<u64>() * cell.basis.len() as u64;
+        let pieces = cell.pieces().ok_or(GridError::WideLattice)?;
+        let (storage, blocks, cells) =
+            LatticeCells::new(quantisation, cell, pieces, counts, periodic)?;
+        Ok(Self {
+            quantisation,
+            // One layer of conventional cells below the first holds what protrudes from it.
+            first: std::array::from_fn(|axis| {
+                let below = if periodic[axis] { 0 } else { i64::from(cell.side_quanta[axis]) };
+                i64::from(first[axis]) - below
+            }),
+            side: std::array::from_fn(|axis| cell.side_quanta[axis] >> pieces[axis]),
+            cells,
+            periodic,
+            margin: i32::from(cell.radius_quanta) + PAD,
+            storage: Storage::Lattice(storage),
+            blocks,
+            strata: Vec::new(),
+            shapes: None,
+            grains,
+        })
+    }
 }

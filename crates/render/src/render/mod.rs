@@ -235,13 +235,13 @@ impl<'a> Rendering<'a> {
         fault.map_or(Ok(()), Err)
     }
 
-    /// The colours of all samples so far, complete passes or not; `None` where there is too little.
-    /// In the first pass, pixels without a sample show what a neighbour of at most three pixels to
-    /// the left and above does.
+    /// The colours of all samples so far, complete passes or not, together with those of an `earlier` film of
+    /// the same crop; `None` where there is too little. In the first pass, pixels without a sample show what a
+    /// neighbour of at most three pixels to the left and above does.
     ///
     /// # Errors
     /// More pixels than memory.
-    pub fn preview(&self) -> Result<Option<Picture>, RenderError> {
+    pub fn preview(&self, earlier: Option<&Film>) -> Result<Option<Picture>, RenderError> {
         let crop = self.settings.crop;
         let count = usize::try_from(crop.area()).unwrap_or(usize::MAX);
         let mut layers = [const { Vec::<f32>::new() }; 3];
@@ -255,8 +255,9 @@ impl<'a> Rendering<'a> {
         for shared in &self.tiles {
             let sums = shared.lock();
             for (x, y) in pixels_of(shared.rect) {
-                let Some(colour) = sums.colour(x, y) else { return Ok(None) };
                 let at = crop.index(x, y).unwrap_or(0);
+                let before = earlier.and_then(|film| film.pixels().get(at));
+                let Some(colour) = sums.colour(x, y, before) else { return Ok(None) };
                 layers.iter_mut().zip(colour).for_each(|(layer, value)| layer[at] = value);
             }
         }

@@ -111,13 +111,23 @@ impl<'a> TileSums<'a> {
         &self.statistics
     }
 
-    /// Mean radiance of all samples of a pixel, else of its neighbour that is rendered first; `None`
-    /// where that has no sample either.
-    pub(super) fn colour(&self, x: u32, y: u32) -> Option<[f32; 3]> {
+    /// Mean radiance of all samples of a pixel and those `before`, else of its neighbour that is rendered first;
+    /// `None` where that has no sample either.
+    pub(super) fn colour(&self, x: u32, y: u32, before: Option<&PixelSums>) -> Option<[f32; 3]> {
         let corner = self.rect();
         let first = |at: u32, corner: u32| at - (at - corner) % COARSE;
         let neighbour = || self.pixel(first(x, corner.x0), first(y, corner.y0));
-        let sums = self.pixel(x, y).or_else(neighbour)?;
+        let sums = match before.filter(|before| before.samples() > 0) {
+            Some(before) => {
+                let mut sums = *before;
+                if let Some(new) = self.pixel(x, y) {
+                    // What leaves the range is told when it is merged.
+                    sums.add_sums(&new);
+                }
+                sums
+            }
+            None => self.pixel(x, y).or_else(neighbour)?,
+        };
         Some(sums.mean_radiance().map(|mean| mean as f32))
     }
 

@@ -1,14 +1,17 @@
 //! A shape of grains as typed.
 
-use crate::arguments::MachineArguments;
-use clap::{Args, ValueEnum};
+use crate::arguments::{MachineArguments, values};
+use clap::Args;
+use snowgrain_formats::scene::document::ShapeName;
 
 /// The shape of a grain; without one, a sphere.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Shape")]
 pub(crate) struct ShapeArguments {
-    /// Shape of the grain, whose c axis takes all directions alike
-    #[arg(long, value_enum, value_name = "NAME", conflicts_with = "polarisation")]
+    /// Shape of the grain, whose c axis takes all directions alike: sphere (traced as the others are), spheroid,
+    /// cube, hexagonal-plate, hexagonal-column, hexagonal-prism, truncated-octahedron, random-polyhedron or
+    /// rosette (columns that grow from one point)
+    #[arg(long, value_name = "NAME", value_parser = values::shape, conflicts_with = "polarisation")]
     pub(crate) shape: Option<ShapeName>,
 
     /// Length along the c axis by width across it, 0.02 to 50 [default: 0.2 for plates, 2 for columns and
@@ -39,27 +42,4 @@ pub(crate) struct ShapeArguments {
 
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
-}
-
-/// Shapes that have a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ShapeName {
-    /// A ball, traced as the others are
-    Sphere,
-    /// An ellipsoid of revolution
-    Spheroid,
-    /// A cube
-    Cube,
-    /// A hexagonal prism, flat where nothing else is said
-    HexagonalPlate,
-    /// A hexagonal prism, long where nothing else is said
-    HexagonalColumn,
-    /// A hexagonal prism as high as wide
-    HexagonalPrism,
-    /// 8 hexagons and 6 squares
-    TruncatedOctahedron,
-    /// Faces in random directions
-    RandomPolyhedron,
-    /// Columns that grow from one point
-    Rosette,
 }

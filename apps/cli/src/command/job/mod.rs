@@ -4,13 +4,14 @@ mod plan;
 mod sweep;
 
 use crate::arguments::{
-    Arguments, Command, JobArguments, JobKind, PlanArguments, RunArguments, StatusArguments,
+    Arguments, Command, JobArguments, JobKind, PlanArguments, RenderArguments, RunArguments,
+    StatusArguments,
 };
 use crate::failure::{Failure, exit};
 use crate::output;
 use clap::Parser;
 use plan::{Job, Task};
-use snowgrain_formats::{FormatsError, film_summary};
+use snowgrain_formats::{FormatsError, atomic, film_summary};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -39,10 +40,30 @@ fn write(arguments: &PlanArguments) -> Result<u8, Failure> {
     let Some(tasks) = job.tasks() else {
         return Err(Failure::usage("the job has more tasks than can be counted; make it smaller"));
     };
-    output::write_text(&arguments.output, &output::json(&job)?)?;
+    let path = &arguments.output;
+    atomic::check_writable_target(path)?;
+    refuse_parts_of_another(path, &job)?;
+    job.tasks_of_every_value().try_for_each(|task| {
+        super::render::recipes(&render_arguments(&job, path, &task)?).map(|_| ())
+    })?;
+    output::write_text(path, &output::json(&job)?)?;
     let file = arguments.output.display();
     output::tell(&format!("snowgrain: {file}: tasks 0 to {} (job run {file} --task K)", tasks - 1));
     Ok(0)
+}
+
+/// Refuses to replace a job of which there are films by another job.
+fn refuse_parts_of_another(path: &Path, job: &Job) -> Result<(), Failure> {
+    let folder = Job::parts_folder(path);
+    let is_empty = std::fs::read_dir(&folder).map_or(true, |mut films| films.next().is_none());
+    if is_empty || Job::read(path).is_ok_and(|there| there == *job) {
+        return Ok(());
+    }
+    let what = format!(
+        "{} holds films of another job of this name; name another file, or remove that folder",
+        folder.display()
+    );
+    Err(Failure::usage(what).of(&path.display().to_string()))
 }
 
 /// The scene as the job names it: a file relative to the job's folder, where that can be told.
@@ -88,31 +109,36 @@ fn run_task(arguments: &RunArguments) -> Result<u8, Failure> {
         let message = format!("{}: cannot be created: {error}", folder.display());
         Failure::new(exit::CANNOT_CREATE, message)
     })?;
+    let mut render = render_arguments(&job, path, &task)?;
+    render.report.quiet = arguments.quiet;
+    render.machine = arguments.machine.clone();
+    super::render::run(&render)
+}
+
+/// The render that a task is.
+fn render_arguments(job: &Job, path: &Path, task: &Task) -> Result<RenderArguments, Failure> {
     let mut typed: Vec<OsString> = vec!["snowgrain".into(), "render".into()];
     typed.push(job.scene_path(path).into());
     typed.extend(job.options.iter().map(OsString::from));
     for set in &job.points[task.point] {
         typed.extend(["--set".into(), set.into()]);
     }
-    let Task { samples, frame, .. } = &task;
+    let Task { samples, frame, .. } = task;
     typed.extend(["--samples".into(), format!("{}..{}", samples.start, samples.end).into()]);
     if let Some(frame) = frame {
         typed.extend(["--frame".into(), frame.to_string().into()]);
     }
-    typed.extend(["--resume".into(), "-o".into(), folder.join(task.file_name()).into()]);
-    if arguments.quiet {
-        typed.push("--quiet".into());
-    }
+    let film = Job::parts_folder(path).join(task.file_name());
+    typed.extend(["--resume".into(), "-o".into(), film.into()]);
     let parsed = Arguments::try_parse_from(typed).map_err(|error| {
         let what = error.to_string();
         let line = what.lines().next().unwrap_or_default();
         Failure::bad_input(format!("{}: its options mean nothing: {line}", path.display()))
     })?;
-    let Command::Render(mut render) = parsed.command else {
-        unreachable!("what begins with render is a render");
-    };
-    render.machine = arguments.machine.clone();
-    super::render::run(&render)
+    match parsed.command {
+        Command::Render(render) => Ok(*render),
+        _ => unreachable!("what begins with render is a render"),
+    }
 }
 
 /// What became of a task.
@@ -121,16 +147,24 @@ enum State {
     Missing,
     /// Some of its samples are there.
     Begun,
+    /// The film is that of another scene.
+    Foreign,
     Damaged(FormatsError),
 }
 
-fn state(folder: &Path, task: &Task) -> State {
-    match film_summary(&folder.join(task.file_name())) {
+/// `recipes` tells the digests that films of the task may have.
+fn state(
+    folder: &Path,
+    task: &Task,
+    recipes: impl FnOnce() -> Result<[[u8; 32]; 2], Failure>,
+) -> Result<State, Failure> {
+    Ok(match film_summary(&folder.join(task.file_name())) {
+        Ok(film) if !recipes()?.iter().any(|&recipe| film.recipe == Some(recipe)) => State::Foreign,
         Ok(film) if film.samples.missing_from(task.samples.clone()).is_empty() => State::Done,
         Ok(_) => State::Begun,
         Err(FormatsError::Missing { .. }) => State::Missing,
         Err(error) => State::Damaged(error),
-    }
+    })
 }
 
 fn status(arguments: &StatusArguments) -> Result<u8, Failure> {
@@ -138,15 +172,30 @@ fn status(arguments: &StatusArguments) -> Result<u8, Failure> {
     let folder = Job::parts_folder(&arguments.job);
     let count = job.tasks().unwrap_or(0);
     let (mut done, mut lines) = (0, String::new());
+    // Tasks of one picture follow one another.
+    let mut known = None;
     for number in 0..count {
         let Some(task) = job.task(number) else { break };
-        let said = match state(&folder, &task) {
+        let picture = (task.point, task.frame);
+        let recipes = || match known {
+            Some((of, recipes)) if of == picture => Ok(recipes),
+            _ => {
+                let arguments = render_arguments(&job, &arguments.job, &task)?;
+                let (_, recipes) = *known.insert((picture, super::render::recipes(&arguments)?));
+                Ok(recipes)
+            }
+        };
+        let said = match state(&folder, &task, recipes)? {
             State::Done => {
                 done += 1;
                 continue;
             }
             State::Missing => "missing".to_owned(),
             State::Begun => "begun".to_owned(),
+            State::Foreign => {
+                "of another scene or seed, or of another version of Snowgrain; remove its film"
+                    .to_owned()
+            }
             State::Damaged(error) => format!("damaged ({error})"),
         };
         let Task { point, frame, samples } = task;

@@ -2,6 +2,8 @@
 
 use crate::failure::{Failure, exit};
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::io::{self, ErrorKind};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +14,7 @@ const VERSION: u32 = 1;
 const MOST_BYTES: u64 = 1 << 28;
 
 /// A job: pictures (points of a sweep, and frames of each), each cut into tasks by its samples.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Job {
     pub(super) version: u32,
@@ -48,7 +50,14 @@ impl Job {
     /// A file that is missing, too large, or no job.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let name = path.display();
-        let missing = |error| Failure::new(exit::INPUT_MISSING, format!("{name}: {error}"));
+        let missing = |error: io::Error| {
+            let what = match error.kind() {
+                ErrorKind::NotFound => "there is no such file".to_owned(),
+                kind => kind.to_string(),
+            };
+            let mend = "check the path, or make the job by snowgrain job plan";
+            Failure::new(exit::INPUT_MISSING, format!("{name}: {what}; {mend}"))
+        };
         let metadata = std::fs::metadata(path).map_err(missing)?;
         if !metadata.is_file() || metadata.len() > MOST_BYTES {
             return Err(Failure::bad_input(format!("{name}: this is not a job; name a job file")));
@@ -93,6 +102,20 @@ impl Job {
             point: (picture / self.frame_count()) as usize,
             frame: self.frames.map(|[first, _]| first + frame),
             samples: start..self.samples.min(start + self.per_task),
+        })
+    }
+
+    /// First tasks of pictures in which every value of the sweep occurs, at the first frame.
+    pub(super) fn tasks_of_every_value(&self) -> impl Iterator<Item = Task> + '_ {
+        let mut seen = HashSet::new();
+        let points = self.points.iter().enumerate().filter(move |(number, point)| {
+            let new = point.iter().filter(|&set| seen.insert(set)).count();
+            *number == 0 || new > 0
+        });
+        points.map(|(point, _)| Task {
+            point,
+            frame: self.frames.map(|[first, _]| first),
+            samples: 0..self.samples.min(self.per_task),
         })
     }
 
@@ -143,8 +166,14 @@ mod tests {
         let mut names: Vec<_> = tasks.iter().map(Task::file_name).collect();
         names.dedup();
         assert_eq!(names.len(), 12);
+        assert_eq!(job.tasks_of_every_value().count(), 1);
+        let point = |sets: [&str; 2]| sets.map(str::to_owned).to_vec();
+        let points = [["a=1", "b=1"], ["a=1", "b=2"], ["a=2", "b=1"], ["a=2", "b=2"]].map(point);
+        let swept = Job { points: points.to_vec(), ..job };
+        let tried: Vec<_> = swept.tasks_of_every_value().map(|task| task.point).collect();
+        assert_eq!(tried, [0, 1, 2]);
         let path = Path::new("jobs/snow.json");
         assert_eq!(Job::parts_folder(path), Path::new("jobs/snow-parts"));
-        assert_eq!(job.scene_path(path), Path::new("jobs/a.toml"));
+        assert_eq!(swept.scene_path(path), Path::new("jobs/a.toml"));
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::arguments::{PictureFormat, RenderArguments};
 use crate::failure::Failure;
+use crate::progress::Progress;
 use snowgrain_film::{BlockCounts, Film, PixelRect};
 use snowgrain_formats::read_film;
 use snowgrain_render::description::SceneDescription;
@@ -41,14 +42,16 @@ impl Request {
         }
     }
 
-    /// The film that is already there of the same request, to be finished (or finished already).
+    /// The film that is already there of the same request, to be finished (or finished already). A film that will be
+    /// replaced is told of.
     ///
     /// # Errors
-    /// An unfinished film of this request, unless it is to be resumed; with `--resume` a film of another one,
-    /// and one that cannot be read.
+    /// A film of this render that is not finished, unless it is to be resumed, or that holds other samples, too; with
+    /// `--resume` a film of another render, and one that cannot be read.
     pub(super) fn earlier_film(
         &self,
         arguments: &RenderArguments,
+        progress: &Progress,
     ) -> Result<Option<Film>, Failure> {
         let Some(path) = film_path(arguments) else {
             return if arguments.resume {
@@ -60,30 +63,61 @@ impl Request {
         if !path.exists() {
             return Ok(None);
         }
+        let name = path.display().to_string();
         let film = match read_film(path) {
             Ok(film) => film,
             Err(error) if arguments.resume => return Err(error.into()),
-            // It is replaced, whatever it is.
-            Err(_) => return Ok(None),
+            Err(_) => {
+                progress.note(&format!(
+                    "{name}: this is not a film that can be read; it will be replaced"
+                ));
+                return Ok(None);
+            }
         };
-        let name = path.display().to_string();
-        match self.difference(&film) {
-            Some(difference) if arguments.resume => Err(Failure::bad_input(format!(
-                "this cannot be resumed: {difference}; render to another file, or remove this one"
-            ))
-            .of(&name)),
-            Some(_) => Ok(None),
-            None if !arguments.resume && is_all_that_blocks_want(&film) => Ok(None),
-            None if arguments.resume || self.is_finished(&film) => Ok(Some(film)),
-            None => Err(Failure::usage(format!(
-                "there is an unfinished film of this render (samples {} of {}..{}); --resume goes on with \
-                 it, or remove it",
-                film.samples(),
-                self.samples.start,
-                self.samples.end
-            ))
-            .of(&name)),
+        if let Some(difference) = self.difference(&film) {
+            if arguments.resume {
+                return Err(Failure::bad_input(format!(
+                    "this cannot be resumed: {difference}; render to another file, or remove this one"
+                ))
+                .of(&name));
+            }
+            let held = film.samples();
+            progress.note(&format!(
+                "{name}: the film that is there (samples {held}) will be replaced: {difference}"
+            ));
+            return Ok(None);
         }
+        self.check_samples(&film, arguments.resume).map_err(|failure| failure.of(&name))?;
+        Ok(Some(film))
+    }
+
+    /// Refuses a film of this render whose samples would be lost, or that is to be resumed although nobody said so.
+    fn check_samples(&self, film: &Film, resume: bool) -> Result<(), Failure> {
+        if self.is_finished(film) {
+            return Ok(());
+        }
+        let (held, Range { start, end }) = (film.samples(), self.samples.clone());
+        if let Some(outside) = self.outside(film) {
+            return Err(if resume {
+                let Range { start: first, end: last } = outside;
+                Failure::bad_input(format!(
+                    "this cannot be resumed: it holds samples {first}..{last}, outside {start}..{end}; render to \
+                     another file, or remove this one"
+                ))
+            } else {
+                Failure::usage(format!(
+                    "there is a film of this render with samples {held}, of which {start}..{end} would not keep all; \
+                     render to another file (merge adds films), or remove this one"
+                ))
+            });
+        }
+        if resume || is_all_that_blocks_want(film) {
+            return Ok(());
+        }
+        Err(Failure::usage(format!(
+            "there is an unfinished film of this render (samples {held} of {start}..{end}); --resume goes on with it, \
+             or remove it"
+        )))
     }
 
     /// Refuses a film whose blocks were to have other counts of samples than those that were found.
@@ -94,7 +128,8 @@ impl Request {
         if film.block_counts() == counts {
             return Ok(());
         }
-        let what = "this cannot be resumed: its blocks were to have other numbers of samples (another --spp)";
+        let what = "the film that is there cannot be resumed: its blocks were to have other numbers of samples \
+                    (another --spp); render to another file, or remove it";
         Err(Failure::bad_input(what))
     }
 
@@ -103,7 +138,20 @@ impl Request {
         self.noise_target.is_none() && film.samples().missing_from(self.samples.clone()).is_empty()
     }
 
-    /// In what a film is not of this request.
+    /// What is said of a finished film.
+    pub(super) fn told_of_finished(&self, film: &Film, arguments: &RenderArguments) -> String {
+        let name = film_path(arguments).unwrap_or(Path::new("")).display();
+        match self.outside(film) {
+            Some(_) => format!(
+                "{name}: the film holds all samples that are asked for, and more ({}), which pictures show, too; \
+                 nothing is traced",
+                film.samples()
+            ),
+            None => format!("{name}: the film is finished already; nothing is traced"),
+        }
+    }
+
+    /// In what a film is not of this render.
     fn difference(&self, film: &Film) -> Option<String> {
         let size = [film.width(), film.height()];
         if size != self.size {
@@ -124,18 +172,18 @@ impl Request {
             let (theirs, ours) = (said(target), said(self.noise_target));
             return Some(format!("its noise target is {theirs}, not {ours}"));
         }
-        let held = film.samples().as_slice();
-        let outside =
-            held.iter().find(|held| held.start < self.samples.start || held.end > self.samples.end);
-        outside.map(|held| {
-            let Range { start, end } = self.samples;
-            format!("it holds samples {}..{}, outside {start}..{end}", held.start, held.end)
-        })
+        None
+    }
+
+    /// The first samples of a film that are not asked for.
+    fn outside(&self, film: &Film) -> Option<Range<u64>> {
+        let Range { start, end } = self.samples;
+        let mut held = film.samples().as_slice().iter();
+        held.find(|held| held.start < start || held.end > end).cloned()
     }
 }
 
-/// Whether each block of a film with a noise target has its samples: such a film is rendered again, as only a pilot
-/// tells how many are wanted.
+/// Whether each block of a film with a noise target has its samples. Whether those are all that are wanted a pilot tells.
 fn is_all_that_blocks_want(film: &Film) -> bool {
     film.block_counts().is_some_and(|counts| {
         film.samples().missing_from(0..u64::from(counts.greatest())).is_empty()

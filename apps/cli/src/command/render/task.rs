@@ -64,10 +64,18 @@ impl Task<'_> {
         interrupts: &Interrupts,
         progress: &Progress,
     ) -> Result<(Outcome, Spent), Failure> {
-        if let Some(film) = &earlier {
-            let counts = self.plan.as_ref().map(Plan::counts);
-            Request::check_counts(film, counts)?;
-        }
+        let counts = self.plan.as_ref().map(Plan::counts);
+        let checked = earlier.as_ref().map_or(Ok(()), |film| Request::check_counts(film, counts));
+        let earlier = match checked {
+            Ok(()) => earlier,
+            Err(refusal) if self.arguments.resume => return Err(refusal),
+            Err(_) => {
+                progress.note(
+                    "the film that is there had other numbers of samples; it will be replaced",
+                );
+                None
+            }
+        };
         let samples_done = AtomicU64::new(0);
         let missing = match &earlier {
             Some(film) => film.samples().missing_from(self.wanted()),
@@ -124,11 +132,11 @@ impl Task<'_> {
         let (rendered, preview) =
             render_blocks_with(self.scene, &settings, self.counts(), |rendering| {
                 self.checkpoints.during((rendering, earlier), interrupts, progress, || {
-                    pictures.refreshed(rendering, interrupts, progress, || {
+                    pictures.refreshed((rendering, earlier), interrupts, progress, || {
                         self.pool.install(|| rendering.run(&control))
                     })
                 })?;
-                if rendering.samples() > 0 { Ok(None) } else { rendering.preview() }
+                if rendering.samples() > 0 { Ok(None) } else { rendering.preview(None) }
             })?;
         let Rendered { film, statistics, complete } = rendered;
         outcome.statistics.add(&statistics);

@@ -1,15 +1,12 @@
 //! One ray against the sixteen grains of a block, SIMD over the grains.
 //!
-//! The test is the perpendicular form: with `c` the vector to the grain's centre and `t = c . d`,
-//! the residual `c - t d` is squared directly, so that nothing cancels for grains far along the ray
-//! (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 7).
-//! The ray enters the grain at `t - s` and leaves it at `t + s`; this one interval decides entering
+//! The ray enters a grain at `t - s` and leaves it at `t + s` ([`Meeting`]); this one interval decides entering
 //! and leaving.
 
 use super::paths::{GROUP, Group, NOTHING, get};
-use crate::grain_grid::{Block, CellEntry, RADIUS_MASK};
+use crate::flight::meeting::{Meeting, meet};
+use crate::grain_grid::{Block, CellEntry};
 use crate::strata::BlockStrata;
-use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u16x16, u32x16};
 
@@ -17,30 +14,6 @@ use fearless_simd::{f32x16, mask32x16, u16x16, u32x16};
 /// both: 2^-19 of the distance, and distances in a cell are below 2^16 quanta, so that grains less
 /// than an eighth of a quantum apart may be taken for each other.
 const SLOT_BITS: u32 = 15;
-
-/// Where a ray meets the grains of a block.
-struct Meeting<S: Simd> {
-    met: mask32x16<S>,
-    middle: f32x16<S>,
-    half: f32x16<S>,
-}
-
-#[inline(always)]
-fn meet<S: Simd>(simd: S, block: &Block, position: [f32; 3], direction: [f32; 3]) -> Meeting<S> {
-    let splat = |v: f32| f32x16::splat(simd, v);
-    let (dx, dy, dz) = (splat(direction[0]), splat(direction[1]), splat(direction[2]));
-    let x = floats(simd, u16x16::from_slice(simd, &block.x)) - splat(position[0]);
-    let y = floats(simd, u16x16::from_slice(simd, &block.y)) - splat(position[1]);
-    let z = floats(simd, u16x16::from_slice(simd, &block.z)) - splat(position[2]);
-    let radius_bits = u16x16::from_slice(simd, &block.radius) & u16x16::splat(simd, RADIUS_MASK);
-    let radius = floats(simd, radius_bits);
-    let middle = x * dx + y * dy + z * dz;
-    let (rx, ry, rz) = (x - middle * dx, y - middle * dy, z - middle * dz);
-    let discriminant = radius * radius - (rx * rx + ry * ry + rz * rz);
-    let zero = splat(0.0);
-    let met = discriminant.simd_gt(zero);
-    Meeting { met, middle, half: met.select(discriminant, zero).sqrt() }
-}
 
 /// The least of the values of the grains that are `valid`, its last bits the slot of the grain.
 #[inline(always)]

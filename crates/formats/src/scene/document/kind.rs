@@ -5,7 +5,7 @@
 //! `docs/snows.md`.
 
 use super::super::quantity::Length;
-use super::{OrientationName, ShapeName, ShapeTable, SnowTable};
+use super::{ShapeName, ShapeTable, SnowTable};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -162,17 +162,5 @@ impl SnowKindName {
 
 /// A shape with the defaults of its keys.
 fn shape(shape: ShapeName, fraction: f64) -> ShapeTable {
-    ShapeTable {
-        shape,
-        fraction: Some(fraction),
-        aspect: None,
-        rounding: None,
-        faces: None,
-        seed: None,
-        arms: None,
-        file: None,
-        orientation: OrientationName::Random,
-        spread: None,
-        axis: None,
-    }
+    ShapeTable { fraction: Some(fraction), ..ShapeTable::of(shape) }
 }

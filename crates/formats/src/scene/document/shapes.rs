@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use snowgrain_geometry::ShapeKind;
 
 /// A shape of grains. Which keys may be used depends on `shape`.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
@@ -51,6 +52,68 @@ pub struct ShapeTable {
     pub axis: Option<[f64; 3]>,
 }
 
+impl ShapeTable {
+    /// A shape of which nothing else is said.
+    #[must_use]
+    pub fn of(shape: ShapeName) -> Self {
+        Self {
+            shape,
+            fraction: None,
+            aspect: None,
+            rounding: None,
+            faces: None,
+            seed: None,
+            arms: None,
+            file: None,
+            orientation: OrientationName::Random,
+            spread: None,
+            axis: None,
+        }
+    }
+
+    /// The shape that its keys mean, with their defaults; `None` for a mesh, which its file tells.
+    ///
+    /// # Errors
+    /// The key whose value does not suit the name of the shape, and what to do.
+    pub fn kind(&self) -> Result<Option<ShapeKind>, (&'static str, &'static str)> {
+        let rounding = self.rounding.unwrap_or(0.0);
+        let aspect = |default: f64| self.aspect.unwrap_or(default);
+        Ok(Some(match self.shape {
+            ShapeName::Sphere => ShapeKind::Sphere,
+            ShapeName::Spheroid => ShapeKind::Spheroid { aspect: aspect(1.0) },
+            ShapeName::Cube => ShapeKind::Cube { rounding },
+            ShapeName::HexagonalPlate if aspect(0.2) > 1.0 => {
+                return Err(("aspect", "a plate's is at most 1; use shape = \"hexagonal-column\""));
+            }
+            ShapeName::HexagonalColumn if aspect(2.0) < 1.0 => {
+                return Err((
+                    "aspect",
+                    "a column's is at least 1; use shape = \"hexagonal-plate\"",
+                ));
+            }
+            ShapeName::HexagonalPlate => {
+                ShapeKind::HexagonalPrism { aspect: aspect(0.2), rounding }
+            }
+            ShapeName::HexagonalColumn => {
+                ShapeKind::HexagonalPrism { aspect: aspect(2.0), rounding }
+            }
+            ShapeName::HexagonalPrism => {
+                ShapeKind::HexagonalPrism { aspect: aspect(1.0), rounding }
+            }
+            ShapeName::TruncatedOctahedron => ShapeKind::TruncatedOctahedron { rounding },
+            ShapeName::RandomPolyhedron => ShapeKind::RandomPolyhedron {
+                faces: self.faces.unwrap_or(14),
+                seed: self.seed.unwrap_or(0),
+                rounding,
+            },
+            ShapeName::Rosette => {
+                ShapeKind::Rosette { arms: self.arms.unwrap_or(6), aspect: aspect(2.0), rounding }
+            }
+            ShapeName::Mesh => return Ok(None),
+        }))
+    }
+}
+
 /// Shapes of grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -78,6 +141,36 @@ pub enum ShapeName {
 }
 
 impl ShapeName {
+    /// All that need no file.
+    pub const OF_NUMBERS: [Self; 9] = [
+        Self::Sphere,
+        Self::Spheroid,
+        Self::Cube,
+        Self::HexagonalPlate,
+        Self::HexagonalColumn,
+        Self::HexagonalPrism,
+        Self::TruncatedOctahedron,
+        Self::RandomPolyhedron,
+        Self::Rosette,
+    ];
+
+    /// The name as written.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Spheroid => "spheroid",
+            Self::Cube => "cube",
+            Self::HexagonalPlate => "hexagonal-plate",
+            Self::HexagonalColumn => "hexagonal-column",
+            Self::HexagonalPrism => "hexagonal-prism",
+            Self::TruncatedOctahedron => "truncated-octahedron",
+            Self::RandomPolyhedron => "random-polyhedron",
+            Self::Rosette => "rosette",
+            Self::Mesh => "mesh",
+        }
+    }
+
     /// Keys that it takes beside `shape`, `fraction` and those of the orientation.
     #[must_use]
     pub fn keys(self) -> &'static [&'static str] {

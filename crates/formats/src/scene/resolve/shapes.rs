@@ -1,10 +1,10 @@
 //! What `[[snow.shapes]]` means.
 
 use super::super::SceneError;
-use super::super::document::{OrientationName, ShapeName, ShapeTable, SnowTable};
+use super::super::document::{OrientationName, ShapeTable, SnowTable};
 use super::checks::Checks;
 use super::{Files, objects};
-use snowgrain_geometry::{Shape, ShapeKind};
+use snowgrain_geometry::Shape;
 use snowgrain_grains::{GrainsError, MixedShape, Orientation, ShapeMix};
 use snowgrain_math::DVec3;
 use std::sync::Arc;
@@ -74,41 +74,9 @@ impl Entry<'_> {
     }
 
     fn shape(&self, files: &mut Files<'_, '_>) -> Result<Shape, SceneError> {
-        let table = self.table;
-        let rounding = table.rounding.unwrap_or(0.0);
-        let aspect = |default: f64| table.aspect.unwrap_or(default);
-        let kind = match table.shape {
-            ShapeName::Sphere => ShapeKind::Sphere,
-            ShapeName::Spheroid => ShapeKind::Spheroid { aspect: aspect(1.0) },
-            ShapeName::Cube => ShapeKind::Cube { rounding },
-            ShapeName::HexagonalPlate if aspect(0.2) > 1.0 => {
-                let mend = "a plate's is at most 1; use shape = \"hexagonal-column\"";
-                return Err(self.checks.bad(&self.key("aspect"), mend));
-            }
-            ShapeName::HexagonalColumn if aspect(2.0) < 1.0 => {
-                let mend = "a column's is at least 1; use shape = \"hexagonal-plate\"";
-                return Err(self.checks.bad(&self.key("aspect"), mend));
-            }
-            ShapeName::HexagonalPlate => {
-                ShapeKind::HexagonalPrism { aspect: aspect(0.2), rounding }
-            }
-            ShapeName::HexagonalColumn => {
-                ShapeKind::HexagonalPrism { aspect: aspect(2.0), rounding }
-            }
-            ShapeName::HexagonalPrism => {
-                ShapeKind::HexagonalPrism { aspect: aspect(1.0), rounding }
-            }
-            ShapeName::TruncatedOctahedron => ShapeKind::TruncatedOctahedron { rounding },
-            ShapeName::RandomPolyhedron => ShapeKind::RandomPolyhedron {
-                faces: table.faces.unwrap_or(14),
-                seed: table.seed.unwrap_or(0),
-                rounding,
-            },
-            ShapeName::Rosette => {
-                ShapeKind::Rosette { arms: table.arms.unwrap_or(6), aspect: aspect(2.0), rounding }
-            }
-            ShapeName::Mesh => return self.mesh(files),
-        };
+        let kind = self.table.kind();
+        let kind = kind.map_err(|(name, mend)| self.checks.bad(&self.key(name), mend))?;
+        let Some(kind) = kind else { return self.mesh(files) };
         Shape::new(kind).map_err(|error| self.out_of_range(error.into()))
     }
 

@@ -3,10 +3,11 @@
 use super::super::plot;
 use super::super::table::{Cell, Table};
 use super::charts;
-use crate::arguments::{PhaseArguments, ShapeName};
+use crate::arguments::PhaseArguments;
 use crate::failure::Failure;
 use crate::threads;
 use snowgrain_accel::SimdLevel;
+use snowgrain_formats::scene::document::{ShapeName, ShapeTable};
 use snowgrain_geometry::{Shape, ShapeKind};
 use snowgrain_math::trig;
 use snowgrain_optics::ice;
@@ -15,8 +16,8 @@ use snowgrain_render::laboratory::{Scattering, scattering};
 pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Failure> {
     let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
     let typed = &arguments.shape;
-    let shape =
-        Shape::new(kind(arguments, name)).map_err(|error| Failure::usage(format!("--{error}")))?;
+    let kind = kind(arguments, name)?;
+    let shape = Shape::new(kind).map_err(|error| Failure::usage(format!("--{error}")))?;
     let level = typed.machine.simd.unwrap_or_else(SimdLevel::detect);
     let bins = usize::from(arguments.bins);
     let pool = threads::pool(&typed.machine)?;
@@ -41,24 +42,18 @@ pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Fai
     Ok(0)
 }
 
-fn kind(arguments: &PhaseArguments, name: ShapeName) -> ShapeKind {
+fn kind(arguments: &PhaseArguments, name: ShapeName) -> Result<ShapeKind, Failure> {
     let typed = &arguments.shape;
-    let (rounding, aspect) = (typed.rounding, |default: f64| typed.aspect.unwrap_or(default));
-    match name {
-        ShapeName::Sphere => ShapeKind::Sphere,
-        ShapeName::Spheroid => ShapeKind::Spheroid { aspect: aspect(1.0) },
-        ShapeName::Cube => ShapeKind::Cube { rounding },
-        ShapeName::HexagonalPlate => ShapeKind::HexagonalPrism { aspect: aspect(0.2), rounding },
-        ShapeName::HexagonalColumn => ShapeKind::HexagonalPrism { aspect: aspect(2.0), rounding },
-        ShapeName::HexagonalPrism => ShapeKind::HexagonalPrism { aspect: aspect(1.0), rounding },
-        ShapeName::TruncatedOctahedron => ShapeKind::TruncatedOctahedron { rounding },
-        ShapeName::RandomPolyhedron => {
-            ShapeKind::RandomPolyhedron { faces: typed.faces, seed: typed.seed, rounding }
-        }
-        ShapeName::Rosette => {
-            ShapeKind::Rosette { arms: typed.arms, aspect: aspect(2.0), rounding }
-        }
-    }
+    let table = ShapeTable {
+        aspect: typed.aspect,
+        rounding: Some(typed.rounding),
+        faces: Some(typed.faces),
+        seed: Some(typed.seed),
+        arms: Some(typed.arms),
+        ..ShapeTable::of(name)
+    };
+    let kind = table.kind().map_err(|(key, mend)| Failure::usage(format!("--{key}: {mend}")))?;
+    kind.ok_or_else(|| Failure::usage("--shape: a mesh is not a shape of numbers"))
 }
 
 fn table(found: &Scattering) -> Table {

@@ -1,7 +1,7 @@
 //! Light among grains of other shapes than spheres: the kernel against the oracle, and exact identities.
 
-#![expect(clippy::unwrap_used, reason = "what cannot go on fails the test")]
-
+use super::ETA;
+use super::paths::{self, on_sphere};
 use snowgrain_accel::{GrainGrid, Packing, ShapedGrains, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_geometry::{Grain, GrainShape, Quantisation, QuantisedGrain, Shape, ShapeKind};
 use snowgrain_math::sampler::{PathKey, numbers};
@@ -11,8 +11,6 @@ use snowgrain_render::transport::{self, NewPath, PathResult, PathSource};
 use snowgrain_render::{Material, World};
 use snowgrain_tests::statistics::{Estimate, estimate};
 use snowgrain_tests::{OracleShape, OracleSurface, PathEnd, ShapeOracle, ShapedGrain, packs};
-
-const ETA: f64 = 1.31;
 
 /// Every shape, sharp and rounded.
 fn kinds() -> Vec<ShapeKind> {
@@ -114,10 +112,7 @@ impl Case {
     }
 
     fn trace(&self, level: SimdLevel, paths: u64) -> Vec<PathResult> {
-        let results = vec![None; paths as usize];
-        let mut recorder = Recorder { case: self, next: 0, end: paths, results };
-        transport::trace(&self.world(), level, &mut recorder);
-        recorder.results.into_iter().map(Option::unwrap).collect()
+        paths::trace(&self.world(), level, paths, |key| self.start(key))
     }
 
     /// An even field of light around the box of the grid: mean length in air within the box, arrivals at
@@ -145,7 +140,7 @@ impl Case {
         let (mut short, mut wrong) = (0u32, 0u32);
         let mut sums = [[0.0; 3]; 2];
         for (tag, fast) in self.trace(SimdLevel::detect(), paths).iter().enumerate() {
-            let key = PathKey::new(9, tag as u64, 0);
+            let key = paths::key(tag as u64);
             let start = self.start(key);
             let exact = oracle.trace(start.origin, start.direction, key, 2);
             assert!(exact.end != PathEnd::Trapped && fast.releases == 0);
@@ -192,37 +187,6 @@ impl Case {
             let ratio = fast / exact;
             assert!((ratio - 1.0).abs() < 0.02, "{name}: ratio {ratio}");
         }
-    }
-}
-
-/// A point on the unit sphere.
-fn on_sphere([u, v, w]: [f32; 3]) -> DVec3 {
-    let pole = if w < 0.5 { DVec3::Y } else { -DVec3::Y };
-    frame::cosine_hemisphere(pole, [f64::from(u), f64::from(v)])
-}
-
-struct Recorder<'a> {
-    case: &'a Case,
-    next: u64,
-    end: u64,
-    results: Vec<Option<PathResult>>,
-}
-
-impl PathSource for Recorder<'_> {
-    type Tag = u64;
-
-    fn next_path(&mut self) -> Option<NewPath<u64>> {
-        if self.next == self.end {
-            return None;
-        }
-        let tag = self.next;
-        self.next += 1;
-        let key = PathKey::new(9, tag, 0);
-        Some(NewPath { tag, ray: self.case.start(key), key, event: 2 })
-    }
-
-    fn finish(&mut self, tag: u64, result: &PathResult) {
-        self.results[tag as usize] = Some(*result);
     }
 }
 
