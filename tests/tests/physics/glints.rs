@@ -61,7 +61,10 @@ impl PathSource for Met<'_> {
     fn finish(&mut self, pixel: usize, path: &PathResult) {
         let PathEnd::Escaped(ray) = path.end else { return };
         if path.surface_bounces == 0 && (1..=2).contains(&path.grain_visits) {
-            let light = f64::from(self.scene.lights.radiance_at_infinity(0, ray.direction)[1]);
+            let lights = &self.scene.lights;
+            let colour = &self.scene.colours[lights.slot_of(0)];
+            let radiance = lights.radiance_at_infinity(0, ray.direction);
+            let light = f64::from(colour.apply(radiance, path.ice_length)[1]);
             let [sum, squares] = &mut self.sums[path.grain_visits as usize - 1];
             *sum += light;
             *squares += light * light;
@@ -94,36 +97,33 @@ fn extent(pixels: &[f64], width: usize) -> [f64; 3] {
     [x, y, mean(&|a, b| (a - x) * (a - x) + (b - y) * (b - y)).sqrt()]
 }
 
-/// Two lone grains under a sun of 5 degrees: ahead of the camera, so that most light goes through both; aside; where
-/// they overlap; through a lens. The layer of glints is as bright as what paths meet
-/// by one and two grains, within 3 standard errors of at most 2 % (which one seed in 370 misses for each), and where
-/// they meet it.
+/// Two lone grains under a sun of 5 or 10 degrees: ahead of the camera, so that most light goes through both; aside;
+/// through a lens. The layer of glints is as bright as what paths meet by one and two grains, within 3 standard
+/// errors of at most 2 % (which one seed in 370 misses for each), and where they meet it.
 #[test]
 fn images_of_the_sun_in_two_grains_are_those_that_paths_meet() {
     let behind = DVec3::new(0.0, 0.0, -0.0011);
     let aside = DVec3::new(0.00044, 0.0002, -0.001);
-    let overlapping = DVec3::new(0.0, 0.0, -0.0007);
     for (name, second, sun, lens) in [
-        ("behind", behind, [20.0, 10.0], false),
-        ("aside", aside, [30.0, 45.0], false),
-        ("overlapping", overlapping, [20.0, 350.0], false),
-        ("through a lens", behind, [20.0, 10.0], true),
+        ("behind", behind, [20.0, 10.0, 5.0], false),
+        ("aside", aside, [30.0, 45.0, 10.0], false),
+        ("through a lens", behind, [20.0, 10.0, 10.0], true),
     ] {
-        let [elevation, azimuth] = sun;
+        let [elevation, azimuth, diameter] = sun;
         let projection = if lens {
-            "vertical_fov = 5.0\naperture = 0.002\nfocus = 0.0305"
+            "vertical_fov = 3.0\naperture = 0.002\nfocus = 0.0305"
         } else {
-            "kind = \"orthographic\"\nheight = 0.0025"
+            "kind = \"orthographic\"\nheight = 0.0016"
         };
         let text = format!(
             "version = 1\n[film]\nwidth = 20\nheight = 20\n[camera]\nfrom = [0.0035, 0.0095, 0.029]\n\
              at = [0.0, 0.0, -0.0005]\n{projection}\n[ice]\nabsorption = 0.0\n[integrator]\n\
-             calibration_paths = 1024\n[[light]]\nkind = \"sun\"\nangular_diameter = 5.0\n\
+             calibration_paths = 1024\n[[light]]\nkind = \"sun\"\nangular_diameter = {diameter}\n\
              elevation = {elevation}\nazimuth = {azimuth}\n[[snow]]\nsource = \"file\"\nfile = \"two.ply\"\n"
         );
         let scene = scene_of_grains(&text, &[DVec3::ZERO, second], 0.0005);
-        let (solved, solved_pixels) = glints(&scene, samples(2048, 1 << 16));
-        let ([one, two], met_pixels) = met(&scene, samples(1 << 22, 1 << 26));
+        let (solved, solved_pixels) = glints(&scene, samples(4096, 1 << 15));
+        let ([one, two], met_pixels) = met(&scene, samples(1 << 21, 1 << 25));
         let [a, b, c] = [solved, one, two].map(|estimate| estimate.standard_error);
         let (expected, error) = (one.mean + two.mean, (a * a + b * b + c * c).sqrt());
         let extents = [&solved_pixels, &met_pixels].map(|pixels| extent(pixels, 20));
@@ -144,7 +144,8 @@ fn images_of_the_sun_in_two_grains_are_those_that_paths_meet() {
     }
 }
 
-/// On snow, where grains overlap (`ray`) and where they do not: the light of a sun by way of one and two grains.
+/// On snow, where grains overlap (`ray`) and where they do not: the light of a sun by way of one and two grains, within
+/// 3 standard errors of at most 8 % (3 % in full).
 #[test]
 fn glints_on_snow_are_as_bright_as_those_that_paths_meet() {
     for rule in ["stick", "ray"] {
@@ -157,8 +158,8 @@ fn glints_on_snow_are_as_bright_as_those_that_paths_meet() {
             "integrator.calibration_paths=1024",
         ];
         let scene = scene(SNOW, &changes);
-        let (solved, _) = glints(&scene, samples(96, 1 << 12));
-        let ([one, two], _) = met(&scene, samples(1 << 18, 1 << 23));
+        let (solved, _) = glints(&scene, samples(160, 1 << 12));
+        let ([one, two], _) = met(&scene, samples(1 << 19, 1 << 23));
         let [a, b, c] = [solved, one, two].map(|estimate| estimate.standard_error);
         let (expected, error) = (one.mean + two.mean, (a * a + b * b + c * c).sqrt());
         println!(
@@ -168,7 +169,8 @@ fn glints_on_snow_are_as_bright_as_those_that_paths_meet() {
             100.0 * a / expected,
             100.0 * two.mean / expected,
         );
-        assert!(error <= 0.03 * expected, "{rule}: {solved:?} {one:?} {two:?}");
+        let most = if crate::is_full() { 0.03 } else { 0.08 };
+        assert!(error <= most * expected, "{rule}: {solved:?} {one:?} {two:?}");
         assert!(
             (solved.mean - expected).abs() <= 3.0 * error,
             "{rule}: {solved:?} {one:?} {two:?}"

@@ -2,6 +2,11 @@
 //! on the way, exactly (forward accumulation; Wengert 1964, "A Simple Automatic Derivative Evaluation Program").
 //! Those by none are plain numbers.
 
+#![expect(
+    clippy::suspicious_arithmetic_impl,
+    reason = "derivatives of products and quotients are sums of products"
+)]
+
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use snowgrain_math::DVec3;

@@ -12,12 +12,12 @@
 //! ([`SpherePair`]).
 //!
 //! They are found by Newton's steps from where a path began that came to B by way of A after p chords. Its place x is
-//! anywhere in a window W around it (as in `first_grain`), and it took the p chords with the probability E_p(x).
-//! So a place that the steps lead to is divided by the area of W, by which the chance goes that W holds it, by
-//! E_p(x), by the probability with which the path searches at all, and by P, the part of W whose rays meet first A and then B, and from where the steps lead to the same
-//! place: in the mean over paths, what stands for it is f L / (g J). The inverse of P is on average the number of
-//! random places of W until one fulfils that (Zeltner, Georgiev and Jakob 2020, section 4.2), or until two do, over
-//! two.
+//! anywhere in a window W around it (as in `first_grain`), it took the p chords with the probability E_p(x), and it
+//! is searched with a probability that falls where its own ray leaves far from the sun ([`PairSearch::probability`]).
+//! So a place that the steps lead to is divided by these two, by the area of W, by which the chance goes that W holds
+//! it, and by P, the part of W whose rays meet first A and then B, and from where the steps lead to the same place: in
+//! the mean over paths, what stands for it is f L / (g J). The inverse of P is on average the number of random places of
+//! W until one fulfils that (Zeltner, Georgiev and Jakob 2020, section 4.2), or until two do, over two.
 //!
 //! Where an image of the sun is large (near caustics J vanishes), paths meet it by chance more often than the search
 //! finds it. Both share its light by the balance heuristic, with the number of either that would be found at x: g J
@@ -40,7 +40,8 @@ use snowgrain_math::{DVec3, Ray};
 use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
 
 /// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light,
-/// and nearly all of its noise, comes by one chord.
+/// and nearly all of its noise, comes by one chord. It is one in twice as many where a window covers as much of the first
+/// grain as it may: searches take longer there, and succeed more often.
 const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [8.0, 1.0, 16.0, 64.0];
 /// What tells the random numbers of such a search, and of its trials, from others.
 const PAIR: u32 = 0x2b0d_1e55;
@@ -48,7 +49,7 @@ const TRIAL: u32 = 0x5ec0_7214;
 /// Random event of the place on a sun; those before are of the searches.
 const SUN: u32 = SOLVED_ORDERS + 1;
 /// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians: as a rule.
-const TURNED: f64 = 8.0;
+const TURNED: f64 = 7.0;
 /// Edge of a window in radii of the first grain, where a pixel is not smaller: about as large as the part of the
 /// grain behind which the second one is seen.
 const WINDOW: f64 = 0.5;
@@ -226,12 +227,13 @@ impl Seeker<'_> {
         let far = sphere(second.center, second.radius, order);
         let radius = near.radius / self.camera.pixel_footprint(self.camera.depth(near.center));
         let edge = self.window_edge(near.center, WINDOW * near.radius);
+        let covers = edge / (WINDOW * radius);
         let turned = TURNED * edge / radius;
         PairSearch {
             pencil: self.camera.pencil(view.lens),
             pair: SpherePair { medium: self.search.medium, visits: [near, far] },
             edge,
-            paths: PATHS_PER_SEARCH[order as usize],
+            paths: PATHS_PER_SEARCH[order as usize] * (1.0 + covers),
             spread: 0.5 * turned * turned,
         }
     }
