@@ -48,7 +48,9 @@ pub use ice_path::IcePath;
 pub use impurity::{Impurity, ImpurityKind, Load};
 pub use metal::Metal;
 pub use phase::PhaseTable;
-pub use scatter::{Connection, Connector, ScatterTable};
+pub use scatter::{
+    Connection, Connector, PairPath, Passed, Pencil, ScatterTable, SpherePair, SphereVisit,
+};
 pub use spectrum::Spectrum;
 pub use strata_colour::StrataColour;
 pub use substance::{MeasuredSubstance, Substance};

@@ -17,6 +17,7 @@ mod lights;
 mod pictures;
 mod slabs;
 mod sun;
+mod sun_images;
 mod surfaces;
 
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};

@@ -138,7 +138,8 @@ pub(crate) struct CubeArguments {
 ///
 /// Uniform light that a search finds is compared with what paths meet, which is exact, by the number
 /// of grains on the way, the elevation of the light and its angle from the way back to the camera: what a
-/// sun in such a direction would be wrong by. The paths are others than those that the search is
+/// sun in such a direction would be wrong by. By way of the first two grains that the camera sees a sun is solved
+/// exactly, so that the rows of one and two grains tell of lamps and maps only. The paths are others than those that the search is
 /// calibrated by, so that the error of that shows, too.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \

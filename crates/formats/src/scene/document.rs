@@ -313,8 +313,8 @@ pub struct IntegratorTable {
     /// "grains" (every grain is met); default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
-    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, within 1 to
-    /// 2 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
+    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, and right within what
+    /// `snowgrain measure search` tells; docs/lights.md), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
     /// sampled); default "auto".
     pub light: LightFindingName,
     /// Paths by which is measured, before the picture, what light that is looked for differs by from light

@@ -10,7 +10,7 @@
 
 use super::agreement::Agreement;
 use super::gains::{Class, Tally};
-use super::shadow::{Beginning, Brings};
+use super::shadow::{Beginning, Brings, Condition};
 use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
 use crate::camera::Camera;
 use crate::transport::over_picture::PathsOverPicture;
@@ -113,16 +113,17 @@ impl Seeker<'_> {
         };
         let direction = at(leaves);
         let class = Class::new((visit.from, order), seen_along, [last.direction, direction]);
-        let beginning = last.origin.map(|origin| Beginning {
+        let begins = |origin| Beginning {
             grain: (visit.center, visit.radius),
             direction: last.direction,
             normal: at(entry),
             origin,
             key,
             event: visit.event,
-        });
+        };
+        let condition = last.origin.map_or(Condition::Nothing, |at| Condition::Begins(begins(at)));
         let towards = (direction, f64::INFINITY, None);
-        self.want(visit, (at(exit), visit.radius), towards, Brings::Count(class), beginning);
+        self.want(visit, (at(exit), visit.radius), towards, Brings::Count(class), condition);
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! [`GrainGrid::chain`]: snowgrain_accel::GrainGrid::chain
 
-use super::shadow::Brings;
+use super::shadow::{Brings, Condition};
 use super::{PathState, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, product, scaled};
 use crate::light::LightRole;
 use crate::transport::Contribution;
@@ -65,6 +65,6 @@ impl Seeker<'_> {
         let towards = (direction, f64::INFINITY, None);
         let reach = out.ray.origin.length();
         let from = (out.ray.origin / reach, (reach * f64::from(visit.radius)) as f32);
-        self.want(visit, from, towards, brings, None);
+        self.want(visit, from, towards, brings, Condition::Nothing);
     }
 }
