@@ -57,6 +57,7 @@ fn scene(name: &str, changes: &[&str]) -> Scene {
         texture: &mut |_| Err("it refers to no file".into()),
         sizes: &mut |_| Err("it refers to no file".into()),
         plan_image: &mut |_| Err("it refers to no file".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     let description = resolve(&file, loader).expect("it is legal");
     Scene::build(&description, &mut |_| ()).expect("its snow can be made")

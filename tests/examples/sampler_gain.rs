@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         texture: &mut |_| Err("nor to a picture".into()),
         sizes: &mut |_| Err("nor to a picture".into()),
         plan_image: &mut |_| Err("nor to a picture".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     let mut scene = Scene::build(&resolve(&file, loader)?, &mut |_| ())?;
     let crop = match arguments.get(2..6) {

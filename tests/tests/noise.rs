@@ -37,6 +37,7 @@ fn changed(changes: &[&str]) -> Scene {
         texture: &mut |_| Err("no pictures".into()),
         sizes: &mut |_| Err("no pictures".into()),
         plan_image: &mut |_| Err("no pictures".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }

@@ -33,7 +33,8 @@ pub(crate) use groups::GroupFactor;
 pub(crate) use inspect::InspectArguments;
 pub(crate) use job::{JobArguments, JobKind, PlanArguments, RunArguments, StatusArguments};
 pub(crate) use measure::{
-    CubeArguments, LightSearchArguments, MeasureArguments, MeasureKind, Side, SlabArguments,
+    CubeArguments, GlintsArguments, LightSearchArguments, MeasureArguments, MeasureKind, Side,
+    SlabArguments,
 };
 pub(crate) use merge::MergeArguments;
 pub(crate) use optics::{

@@ -8,7 +8,7 @@ use snowgrain_formats::scene::{
 };
 use snowgrain_formats::{
     ImportedScene, PlyContent, load_environment, load_mesh, load_plan_image, load_texture,
-    ply_content, read_gltf, read_grains, read_sizes,
+    ply_content, read_gltf, read_grains, read_optical_constants, read_sizes,
 };
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_render::description::SceneDescription;
@@ -86,6 +86,7 @@ pub(crate) fn load(
         texture: &mut |path| Ok(load_texture(path)?),
         sizes: &mut |path| Ok(read_sizes(path)?),
         plan_image: &mut |path| Ok(load_plan_image(path)?),
+        optical_constants: &mut |path| Ok(read_optical_constants(path)?),
         import: &mut |path| {
             let shot = match given_shot.take_if(|(known, _)| known == path) {
                 Some((_, shot)) => shot,

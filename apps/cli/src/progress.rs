@@ -68,6 +68,7 @@ impl Progress {
             BuildStage::Surfaces => "surfaces".to_owned(),
             BuildStage::Packing => "packing".to_owned(),
             BuildStage::Light => "light".to_owned(),
+            BuildStage::Deep => "light deep in the snow".to_owned(),
             BuildStage::Fallen { index, grains } => {
                 if let Shown::Bar(bar) = &self.shown {
                     let of = format!("({} of {})", index + 1, snow.len());

@@ -20,7 +20,9 @@ impl BuildTimes {
     pub(crate) fn book(&mut self, stage: BuildStage, spent: Spent) {
         match stage {
             BuildStage::Snow { .. } | BuildStage::Fallen { .. } => self.deposit += spent,
-            BuildStage::Surfaces | BuildStage::Packing | BuildStage::Light => self.build += spent,
+            BuildStage::Surfaces | BuildStage::Packing | BuildStage::Light | BuildStage::Deep => {
+                self.build += spent
+            }
         }
     }
 }
@@ -52,6 +54,9 @@ pub(crate) struct RunFigures {
     /// Of all pixels, linear; `None` where no pass was completed.
     pub(crate) mean_radiance: Option<[f64; 3]>,
     pub(crate) snowfalls: Vec<Option<SnowfallFigures>>,
+    /// Cells of what light brings from deep in the snow, where that was learnt, and bytes that they take.
+    pub(crate) learnt_cells: Option<u64>,
+    pub(crate) learnt_bytes: Option<u64>,
     /// How grains were packed: "fast" or "compact".
     pub(crate) packing: &'static str,
     pub(crate) threads: usize,
@@ -105,7 +110,8 @@ impl DensityFigures {
 }
 
 impl SnowfallFigures {
-    fn of(report: &SnowReport) -> Option<Self> {
+    /// `ratio`: density of the grains' substance by that of ice, as which reports count.
+    fn of(report: &SnowReport, ratio: f64) -> Option<Self> {
         match report {
             SnowReport::Fell(fall) => Some(Self {
                 accepted: fall.accepted,
@@ -113,8 +119,8 @@ impl SnowfallFigures {
                 missed: fall.missed,
                 unsettled: fall.unsettled,
                 density: fall.reached.map(|reached| DensityFigures {
-                    asked: reached.asked,
-                    reached: reached.density(),
+                    asked: as_asked(reached.asked * ratio),
+                    reached: reached.density() * ratio,
                     by: reached.settling.to_string(),
                 }),
             }),
@@ -124,8 +130,8 @@ impl SnowfallFigures {
                 missed: 0,
                 unsettled: 0,
                 density: Some(DensityFigures {
-                    asked: pack.asked,
-                    reached: pack.density,
+                    asked: as_asked(pack.asked * ratio),
+                    reached: pack.density * ratio,
                     by: pack.method.to_string(),
                 }),
             }),
@@ -134,9 +140,15 @@ impl SnowfallFigures {
     }
 }
 
-/// The figures of all bodies of snow; `None` for snow that was placed.
-pub(crate) fn snowfalls(reports: &[SnowReport]) -> Vec<Option<SnowfallFigures>> {
-    reports.iter().map(SnowfallFigures::of).collect()
+/// A density as it was written, before it was counted as that of ice and back.
+fn as_asked(density: f64) -> f64 {
+    (density * 1e6).round() / 1e6
+}
+
+/// The figures of all bodies of snow, of grains of a substance whose density by that of ice is `ratio`; `None` for
+/// snow that was placed.
+pub(crate) fn snowfalls(reports: &[SnowReport], ratio: f64) -> Vec<Option<SnowfallFigures>> {
+    reports.iter().map(|report| SnowfallFigures::of(report, ratio)).collect()
 }
 
 /// How the densities asked for were reached, a line each.
@@ -149,6 +161,8 @@ pub(crate) fn density_lines(
 /// What a render did, as its parts report it.
 pub(crate) struct Run<'a> {
     pub(crate) report: &'a BuildReport,
+    /// Density of the grains' substance by that of ice.
+    pub(crate) density_ratio: f64,
     pub(crate) scene_hash: &'a [u8; 32],
     pub(crate) times: BuildTimes,
     pub(crate) render: Spent,
@@ -187,7 +201,9 @@ impl Run<'_> {
             trapped_paths: counts.trapped_paths,
             rays: counts.rays,
             mean_radiance: self.mean_radiance,
-            snowfalls: snowfalls(&report.snow),
+            snowfalls: snowfalls(&report.snow, self.density_ratio),
+            learnt_cells: report.learnt.map(|(cells, _)| cells as u64),
+            learnt_bytes: report.learnt.map(|(_, bytes)| bytes),
             packing: match self.packing {
                 Packing::Fast => "fast",
                 Packing::Compact => "compact",
@@ -224,6 +240,13 @@ impl RunFigures {
             ));
         }
         lines.extend(density_lines(&self.snowfalls));
+        if let (Some(cells), Some(bytes)) = (self.learnt_cells, self.learnt_bytes) {
+            lines.push(format!(
+                "light from deep in the snow learnt in {} cells, {}",
+                grouped(cells),
+                readable_bytes(bytes)
+            ));
+        }
         lines.push(format!(
             "snow {}, surfaces and packing {}, rendering {}",
             seconds(self.deposit_seconds, self.deposit_cpu_seconds),

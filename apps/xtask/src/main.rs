@@ -1,5 +1,6 @@
-//! Tasks of the project: `cargo xtask validate`, `look`, `packings` and `stress`.
+//! Tasks of the project: `cargo xtask validate`, `look`, `packings`, `deep` and `stress`.
 
+mod deep;
 mod figure;
 mod look;
 mod packings;
@@ -29,6 +30,8 @@ enum Task {
     Look(look::Options),
     /// Makes snow of twelve densities, and writes packings.md
     Packings(packings::Options),
+    /// Compares light that ends deep in the snow with light that is followed to its end, and writes deep.md
+    Deep(deep::Options),
     /// Kills, stops and starves renders, and counts what becomes of them
     #[cfg(unix)]
     Stress(stress::Options),
@@ -39,6 +42,7 @@ fn main() -> anyhow::Result<ExitCode> {
         Task::Validate(options) => validate::validate(&options)?,
         Task::Look(options) => look::look(&options)?,
         Task::Packings(options) => packings::packings(&options)?,
+        Task::Deep(options) => deep::deep(&options)?,
         #[cfg(unix)]
         Task::Stress(options) => stress::stress(&options)?,
     };

@@ -15,11 +15,11 @@ pub mod surfaces;
 mod words;
 
 pub use flight::{
-    ArrivalFrom, Flight, FlightEvent, GrainVisit, Outgoing, Passage, Probe, ProbeAnswer, Probes,
-    ShapedArrival,
+    ArrivalFrom, DeepAnswer, DeepWatch, Flight, FlightEvent, GrainVisit, Outgoing, Passage, Probe,
+    ProbeAnswer, Probes, ShapedArrival,
 };
 pub use grain_grid::{
-    GrainGrid, GrainParts, GridError, GridPosition, LatticeCell, Packing, ShapedGrains,
+    GrainGrid, GrainParts, GridError, GridPosition, Interior, LatticeCell, Packing, ShapedGrains,
 };
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,

@@ -258,8 +258,10 @@ mod tests {
         FilmIdentity, FilmTile, IcePathLayout, Kept, LightLayerNames, PixelRect, Sample,
     };
     use snowgrain_optics::{
-        Absorption, Grade, Illuminant, Impurity, ImpurityKind, Load, Primaries,
+        Absorption, Grade, Illuminant, Impurity, ImpurityKind, Load, MeasuredSubstance, Primaries,
+        Spectrum, Substance,
     };
+    use std::sync::Arc;
 
     fn film(values: &[f32]) -> Film {
         let crop = PixelRect::new(1, 0, 1 + values.len() as u32, 1);
@@ -335,6 +337,25 @@ mod tests {
 
     fn read_bytes(bytes: &[u8]) -> Result<Film, FormatsError> {
         read(bytes, bytes.len() as u64).map_err(|fault| fault.of(Path::new("a.film")))
+    }
+
+    #[test]
+    fn grades_of_other_substances_come_back_as_they_were() {
+        let spectrum = |values: [f64; 2]| Spectrum::new(vec![380.0, 780.5], values.to_vec());
+        let measured = MeasuredSubstance {
+            index: spectrum([1.7, 1.0 / 3.0 + 1.0]).unwrap(),
+            imaginary: spectrum([0.0, 1e-7]).unwrap(),
+            density: None,
+        };
+        let substances = [Substance::Salt, Substance::Measured(Arc::new(measured))];
+        for substance in substances {
+            let grade = Grade { absorption: Absorption::Of(substance), ..graded(1.0).grade };
+            let text = grade::to_toml(&grade);
+            assert_eq!(grade::from_toml(text.as_bytes()).unwrap(), grade);
+        }
+        let broken =
+            grade::to_toml(&graded(1.0).grade).replace("absorption = 1.1", "absorption = \"mud\"");
+        assert!(grade::from_toml(broken.as_bytes()).is_err());
     }
 
     proptest! {

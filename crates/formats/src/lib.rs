@@ -17,6 +17,7 @@
 //! | picture on an object (PNG, JPEG, EXR, HDR) | [`load_texture`] | |
 //! | heights of snow, masks (the same) | [`load_plan_image`] | |
 //! | sizes of grains (text) | [`read_sizes`] | |
+//! | indices of refraction (text) | [`read_optical_constants`] | |
 //! | picture | [`image::read_picture`] | [`image::write_exr`], [`image::write_png_8`] |
 
 pub mod atomic;
@@ -34,6 +35,7 @@ pub mod image;
 mod input;
 pub mod laboratory;
 mod mesh;
+mod optical_constants;
 mod ply;
 pub mod scene;
 mod sizes;
@@ -52,5 +54,6 @@ pub use gltf::{
 };
 pub use grains::{read_grains, write_grains};
 pub use mesh::{PlyContent, load_mesh, ply_content};
+pub use optical_constants::read_optical_constants;
 pub use sizes::read_sizes;
 pub use texture::{load_plan_image, load_texture};

@@ -82,6 +82,22 @@ pub enum GeometryError {
         "the mesh is not convex, or its triangles face inwards; a grain's mesh must be convex, and its triangles counter-clockwise seen from outside"
     )]
     NotConvex,
+    /// A mesh whose triangles face inwards.
+    #[error(
+        "the triangles of the mesh face inwards; they must be counter-clockwise seen from outside: turn its normals"
+    )]
+    InsideOut,
+    /// A mesh that crosses itself.
+    #[error("the mesh crosses itself; unite its parts first")]
+    CrossingMesh,
+    /// A mesh with too many hollows.
+    #[error(
+        "the mesh falls into more than {most} convex cells by the planes of its faces; use a coarser mesh, or one with fewer hollows"
+    )]
+    TooManyCells {
+        /// Most that a grain may have.
+        most: usize,
+    },
     /// A mesh that is nearly round.
     #[error("the mesh has {faces} faces; a grain has at most {most}: use a coarser mesh")]
     TooManyFaces {

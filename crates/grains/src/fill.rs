@@ -12,11 +12,16 @@ pub use solid::Solid;
 pub use surface::{HeightField, PlanImage};
 
 use crate::pack::{PackMethod, PackSettings, PeriodicPack};
+use crate::shapes::digest;
 use crate::{GrainField, GrainsError, ICE_DENSITY, Snowfall};
 use rayon::prelude::*;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{Aabb, DVec3};
 use std::sync::Arc;
+
+/// What tells the random numbers by which grains stay from others of their places.
+const THINNING: u64 = 0xde75_17e5;
 
 /// Most grains of a body: more than any memory holds.
 const MOST_GRAINS: f64 = 4e9;
@@ -75,6 +80,9 @@ pub struct FillSettings {
     pub body: Body,
     /// Where on the plan it is at all: where the picture is at least half white.
     pub mask: Option<Arc<PlanImage>>,
+    /// What part of the density of the snow there is over each place of the plan ([`PlanImage::check_parts`]):
+    /// each grain stays with that probability.
+    pub density_map: Option<Arc<PlanImage>>,
 }
 
 /// What became of a body.
@@ -110,7 +118,14 @@ impl KnownPacks {
 }
 
 impl FillSettings {
-    /// About how many grains it takes, where no mask takes any away.
+    /// Whether the density over a grain's place lets it stay: a function of the seed and the grain.
+    fn keeps(&self, grain: QuantisedGrain, at: DVec3) -> bool {
+        let Some(map) = &self.density_map else { return true };
+        let key = PathKey::new(self.pack.seed, digest(grain), THINNING);
+        f64::from(numbers(key, 0)[0]) < map.at(at)
+    }
+
+    /// About how many grains it takes, where no mask takes any away and snow is of full density.
     #[must_use]
     pub fn expected_grains(&self) -> f64 {
         let ball = 4.0 / 3.0 * core::f64::consts::PI * self.pack.radii.mean_cube();
@@ -182,7 +197,8 @@ impl PeriodicPack {
                     && settings.mask.as_ref().is_none_or(|mask| mask.at(at) >= 0.5)
                     && settings.body.holds(at)?
                 {
-                    held.push(QuantisedGrain { center: center.map(|c| c as i32), ..*grain });
+                    let placed = QuantisedGrain { center: center.map(|c| c as i32), ..*grain };
+                    held.extend(settings.keeps(placed, at).then_some(placed));
                 }
             }
             Ok(held)
@@ -192,7 +208,7 @@ impl PeriodicPack {
         let held = held.concat();
         if held.is_empty() {
             let reason =
-                "holds no grain: it is smaller than a few of them, or lies beside its mask";
+                "holds no grain: it is smaller than a few of them, or lies beside its pictures";
             return Err(GrainsError::setting("body", reason));
         }
         Ok(held)

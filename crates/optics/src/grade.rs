@@ -1,6 +1,6 @@
 //! What turns lengths in ice into colours, and may be chosen again after a render.
 
-use crate::{Absorption, IceColour, Illuminant, Impurity, Primaries, StrataColour};
+use crate::{Absorption, Band, IceColour, Illuminant, Impurity, Primaries, StrataColour};
 
 /// The absorption that a scene's light met and the colours that it is told in. Paths do not depend on
 /// it (white Monte Carlo), only their colours do.
@@ -39,15 +39,34 @@ impl Grade {
         if loads.is_empty() {
             return Vec::new();
         }
-        let absorptions = |nm: f64| {
-            let of = |impurities: &Vec<Impurity>| {
-                let beside = |i: &Impurity| i.per_metre_of_ice(nm, self.enhancement);
-                impurities.iter().map(beside).sum::<f64>()
-            };
-            core::iter::once(self.per_metre(nm)).chain(loads.iter().map(of)).collect()
-        };
+        let absorptions = |nm: f64| self.per_metre_of_strata(loads, nm);
         let colour = |&light| StrataColour::new(light, self.primaries, &absorptions);
         self.lights.iter().map(colour).collect()
+    }
+
+    /// Of each of its lights the colours of a band of wavelengths alone, as of [`Self::colours`] and
+    /// [`Self::strata_colours`].
+    #[must_use]
+    pub fn colours_in(
+        &self,
+        band: &Band,
+        loads: &[Vec<Impurity>],
+    ) -> (Vec<IceColour>, Vec<StrataColour>) {
+        let colour =
+            |&light| IceColour::in_band(light, self.primaries, band, |nm| self.per_metre(nm));
+        let absorptions = |nm: f64| self.per_metre_of_strata(loads, nm);
+        let strata = |&light| StrataColour::in_band(light, self.primaries, band, &absorptions);
+        let lights_in_strata = self.lights.iter().filter(|_| !loads.is_empty());
+        (self.lights.iter().map(colour).collect(), lights_in_strata.map(strata).collect())
+    }
+
+    /// Absorption of all ice, then of each stratum beside that, 1/m.
+    fn per_metre_of_strata(&self, loads: &[Vec<Impurity>], wavelength_nm: f64) -> Vec<f64> {
+        let of = |impurities: &Vec<Impurity>| {
+            let beside = |i: &Impurity| i.per_metre_of_ice(wavelength_nm, self.enhancement);
+            impurities.iter().map(beside).sum::<f64>()
+        };
+        core::iter::once(self.per_metre(wavelength_nm)).chain(loads.iter().map(of)).collect()
     }
 
     /// The colours of each of its lights after any length in ice.

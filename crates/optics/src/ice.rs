@@ -1,6 +1,6 @@
 //! Ice: its refractive index and absorption, 300 to 2500 nm.
 
-use crate::{Spectrum, table};
+use crate::{Spectrum, Substance, table};
 use core::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -60,22 +60,49 @@ impl IceAbsorption {
     }
 }
 
-/// What the ice of a scene absorbs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the grains of a scene absorb.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Absorption {
-    /// The same at every wavelength, 1/m, at least 0.
+    /// Ice that absorbs the same at every wavelength, 1/m, at least 0.
     Grey(f64),
-    /// As measured.
+    /// Ice as measured.
     Measured(IceAbsorption),
+    /// Another substance.
+    Of(Substance),
 }
 
 impl Absorption {
     /// The absorption coefficient, 1/m.
     #[must_use]
-    pub fn per_metre(self, wavelength_nm: f64) -> f64 {
+    pub fn per_metre(&self, wavelength_nm: f64) -> f64 {
         match self {
-            Self::Grey(per_metre) => per_metre,
+            Self::Grey(per_metre) => *per_metre,
             Self::Measured(source) => source.per_metre(wavelength_nm),
+            Self::Of(substance) => substance.per_metre(wavelength_nm),
+        }
+    }
+
+    /// That of the same substance if it absorbed nothing.
+    #[must_use]
+    pub fn none(&self) -> Self {
+        match self {
+            Self::Grey(_) | Self::Measured(_) => Self::Grey(0.0),
+            Self::Of(substance) => Self::Of(substance.without_absorption()),
+        }
+    }
+
+    /// Density of the substance by that of ice; 1 where it is not known.
+    #[must_use]
+    pub fn density_ratio(&self) -> f64 {
+        self.substance().density().map_or(1.0, |density| density / ICE_DENSITY)
+    }
+
+    /// What it is the absorption of.
+    #[must_use]
+    pub fn substance(&self) -> Substance {
+        match self {
+            Self::Grey(_) | Self::Measured(_) => Substance::Ice,
+            Self::Of(substance) => substance.clone(),
         }
     }
 }

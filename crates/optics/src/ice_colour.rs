@@ -11,6 +11,7 @@
 //! a matrix that depends on L alone. It is tabulated at lengths 1/16 octave apart and interpolated by
 //! cubics through values and slopes, within 1e-6 of white.
 
+use crate::band::{BANDS, Band};
 use crate::colour::{Illuminant, Primaries, VISIBLE_NM, observer};
 use crate::uplift::reflectances;
 use snowgrain_math::{DMat3, DVec3, trig};
@@ -55,12 +56,29 @@ impl IceColour {
     /// its luminance.
     #[must_use]
     pub fn new(light: Illuminant, primaries: Primaries, per_metre: impl Fn(f64) -> f64) -> Self {
-        let lines = Lines::new(light, primaries, per_metre);
+        let lines = Lines::new(lines(light, primaries), per_metre);
         let clear = match (light, primaries) {
             // What the sum over wavelengths gives to within 1e-11.
             (Illuminant::D65, Primaries::Srgb) => DMat3::IDENTITY,
             _ => lines.clear(),
         };
+        Self::tabulated(clear, &lines)
+    }
+
+    /// The same of the wavelengths of a band alone, times the number of bands: the mean over all bands is the
+    /// colour of the light.
+    #[must_use]
+    pub fn in_band(
+        light: Illuminant,
+        primaries: Primaries,
+        band: &Band,
+        per_metre: impl Fn(f64) -> f64,
+    ) -> Self {
+        let lines = Lines::new(lines_of(light, primaries, band), per_metre);
+        Self::tabulated(lines.clear(), &lines)
+    }
+
+    fn tabulated(clear: DMat3, lines: &Lines) -> Self {
         let [least, greatest] = lines.absorptions();
         if greatest == 0.0 {
             return Self { clear, table: Vec::new(), first: 0, shortest: f64::INFINITY };
@@ -143,6 +161,12 @@ pub(crate) fn lines(light: Illuminant, primaries: Primaries) -> Vec<(f64, DMat3)
     powers.map(colour).collect()
 }
 
+/// Those of a band, times the number of bands.
+pub(crate) fn lines_of(light: Illuminant, primaries: Primaries, band: &Band) -> Vec<(f64, DMat3)> {
+    let all = lines(light, primaries).into_iter();
+    all.filter(|(nm, _)| band.contains(*nm)).map(|(nm, line)| (nm, line * BANDS as f64)).collect()
+}
+
 /// The same with the absorption.
 struct Lines {
     colours: Vec<DMat3>,
@@ -150,9 +174,9 @@ struct Lines {
 }
 
 impl Lines {
-    fn new(light: Illuminant, primaries: Primaries, per_metre: impl Fn(f64) -> f64) -> Self {
+    fn new(lines: Vec<(f64, DMat3)>, per_metre: impl Fn(f64) -> f64) -> Self {
         let (absorptions, colours) =
-            lines(light, primaries).into_iter().map(|(nm, colour)| (per_metre(nm), colour)).unzip();
+            lines.into_iter().map(|(nm, colour)| (per_metre(nm), colour)).unzip();
         Self { colours, absorptions }
     }
 
@@ -225,6 +249,27 @@ mod tests {
         let ice = IceColour::new(Illuminant::D65, Primaries::Srgb, |nm| ICE.per_metre(nm));
         assert_eq!(ice.apply(weight, 0.0), weight);
         assert_eq!(clear.apply([1.0; 3], 1e9), [1.0; 3]);
+    }
+
+    #[test]
+    fn the_mean_of_the_bands_is_the_colour_of_the_light() {
+        for (light, primaries) in
+            [(Illuminant::D65, Primaries::Srgb), (Illuminant::A, Primaries::AcesCg)]
+        {
+            let whole = IceColour::new(light, primaries, |nm| ICE.per_metre(nm));
+            let bands = Band::all()
+                .map(|band| IceColour::in_band(light, primaries, &band, |nm| ICE.per_metre(nm)));
+            for length in [0.0, 1e-3, 0.1, 3.0] {
+                for weight in [[1.0; 3], [0.7, 0.1, 0.0]] {
+                    let sum = bands.iter().fold(DVec3::ZERO, |sum, band| {
+                        sum + DVec3::from(band.apply(weight, length).map(f64::from))
+                    });
+                    let expected = DVec3::from(whole.apply(weight, length).map(f64::from));
+                    let error = (sum / BANDS as f64 - expected).abs().max_element();
+                    assert!(error < 4e-6, "{light:?} {length}: {error:e}");
+                }
+            }
+        }
     }
 
     #[test]

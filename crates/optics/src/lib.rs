@@ -12,6 +12,7 @@
 //! assert!((sphere::asymmetry(ice) - 0.78166).abs() < 1e-5);
 //! ```
 
+pub mod band;
 pub mod clear_sky;
 pub mod colour;
 pub mod colour_temperature;
@@ -29,12 +30,14 @@ pub mod scatter;
 pub mod spectrum;
 pub mod sphere;
 pub mod strata_colour;
+pub mod substance;
 pub mod sun_position;
 mod table;
 pub mod theory;
 pub mod uplift;
 pub mod water;
 
+pub use band::{BANDS, Band};
 pub use clear_sky::SunZenith;
 pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;
@@ -45,6 +48,9 @@ pub use ice_path::IcePath;
 pub use impurity::{Impurity, ImpurityKind, Load};
 pub use metal::Metal;
 pub use phase::PhaseTable;
-pub use scatter::{Connection, Connector, ScatterTable};
+pub use scatter::{
+    Connection, Connector, PairPath, Passed, Pencil, ScatterTable, SpherePair, SphereVisit,
+};
 pub use spectrum::Spectrum;
 pub use strata_colour::StrataColour;
+pub use substance::{MeasuredSubstance, Substance};

@@ -30,6 +30,13 @@ impl Spectrum {
         self.values[before] + (self.values[after] - self.values[before]) * part
     }
 
+    /// The same with all values times a number.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let values = self.values.iter().map(|value| value * factor).collect();
+        Self { wavelengths_nm: self.wavelengths_nm.clone(), values }
+    }
+
     /// First and last wavelength, nm.
     #[must_use]
     pub fn range_nm(&self) -> [f64; 2] {

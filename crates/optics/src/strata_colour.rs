@@ -4,7 +4,7 @@
 //! light is summed over bands of 5 nm, in each of which absorption has one value.
 
 use crate::colour::{Illuminant, Primaries};
-use crate::ice_colour::lines;
+use crate::ice_colour::{lines, lines_of};
 use snowgrain_math::{DMat3, DVec3, trig};
 
 /// Lines of 1 nm in a band.
@@ -38,10 +38,30 @@ impl StrataColour {
         let clear = match (light, primaries) {
             // What the sum over wavelengths gives to within 1e-11.
             (Illuminant::D65, Primaries::Srgb) => DMat3::IDENTITY,
-            _ => lines.iter().fold(DMat3::ZERO, |sum, (_, colour)| sum + *colour),
+            _ => sum_of(&lines),
         };
+        Self::of_lines(clear, &lines, per_metre)
+    }
+
+    /// The same of the wavelengths of a band alone, times the number of bands.
+    #[must_use]
+    pub fn in_band(
+        light: Illuminant,
+        primaries: Primaries,
+        band: &crate::Band,
+        per_metre: &impl Fn(f64) -> Vec<f64>,
+    ) -> Self {
+        let lines = lines_of(light, primaries, band);
+        Self::of_lines(sum_of(&lines), &lines, per_metre)
+    }
+
+    fn of_lines(
+        clear: DMat3,
+        lines: &[(f64, DMat3)],
+        per_metre: &impl Fn(f64) -> Vec<f64>,
+    ) -> Self {
         let band = |lines: &[(f64, DMat3)]| {
-            let colour = lines.iter().fold(DMat3::ZERO, |sum, (_, colour)| sum + *colour);
+            let colour = sum_of(lines);
             let middle = lines.iter().map(|(nm, _)| nm).sum::<f64>() / lines.len() as f64;
             Band { colour, absorptions: per_metre(middle) }
         };
@@ -62,6 +82,10 @@ impl StrataColour {
         }
         colour.to_array().map(|x| x as f32)
     }
+}
+
+fn sum_of(lines: &[(f64, DMat3)]) -> DMat3 {
+    lines.iter().fold(DMat3::ZERO, |sum, (_, colour)| sum + *colour)
 }
 
 #[cfg(test)]

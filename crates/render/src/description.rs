@@ -4,6 +4,7 @@
 use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
+use crate::transport::deep::DeepSettings;
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
@@ -38,6 +39,8 @@ pub struct SceneDescription {
     pub integrator: IntegratorKind,
     /// How lights are found.
     pub light_finding: LightFinding,
+    /// Where paths end deep in the snow; `None`: nowhere, which is exact.
+    pub deep: Option<DeepSettings>,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
 }
@@ -181,14 +184,16 @@ pub enum Pores {
     Water,
 }
 
-/// Optical constants of the grains.
+/// Optical constants of the grains, of ice or of another substance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IceDescription {
-    /// Index of refraction, in [1, 4].
+    /// Index of refraction of all colours, in [1, 4].
     pub ior: f64,
+    /// Whether each colour is refracted by its own measured index instead.
+    pub disperses: bool,
     /// What lies between the grains, and around them.
     pub pores: Pores,
-    /// What it absorbs.
+    /// What it is, and absorbs.
     pub absorption: Absorption,
     /// What lies between the grains, everywhere alike.
     pub impurities: Vec<Impurity>,
@@ -210,7 +215,7 @@ impl IceDescription {
     #[must_use]
     pub fn clear(ior: f64) -> Self {
         let (absorption, impurities) = (Absorption::Grey(0.0), Vec::new());
-        Self { ior, pores: Pores::Air, absorption, impurities }
+        Self { ior, disperses: false, pores: Pores::Air, absorption, impurities }
     }
 
     /// Index of refraction relative to what fills the pores.
@@ -220,6 +225,12 @@ impl IceDescription {
             Pores::Air => self.ior,
             Pores::Water => self.ior / WATER_IOR,
         }
+    }
+
+    /// Index of refraction of a wavelength relative to what fills the pores.
+    #[must_use]
+    pub fn eta_at(&self, wavelength_nm: f64) -> f64 {
+        self.absorption.substance().index_relative_to(self.pores == Pores::Water, wavelength_nm)
     }
 }
 
@@ -279,6 +290,12 @@ impl SceneDescription {
     pub fn has_shapes(&self) -> bool {
         (0..self.snow.len())
             .any(|body| self.shapes_of(body).is_some() || self.snow[body].has_shapes())
+    }
+
+    /// Whether a picture is rendered with the arrivals of light at grains noted.
+    #[must_use]
+    pub fn notes_visits(&self) -> bool {
+        self.light_finding != LightFinding::Exact || self.deep.is_some()
     }
 
     /// How far grains of a body of snow may reach, in their radii.

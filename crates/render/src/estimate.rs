@@ -7,7 +7,9 @@ use crate::description::{
 };
 use crate::light::slots_of;
 use crate::scene;
+use crate::transport::deep::DeepSettings;
 use core::f64::consts::PI;
+use snowgrain_accel::STRATA;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums, ShadowSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
 use snowgrain_grains::{
@@ -62,6 +64,13 @@ const SECONDS_PER_PATH: f64 = 12e-6;
 /// How much longer a path takes where light is looked for on the way: 2.3 and 2.8 times on the built-in scenes
 /// (`docs/performance.md`).
 const SEARCHED_OVER_EXACT: f64 = 2.5;
+/// How much longer a path takes that is followed to its end than one that may end deep in the snow, at least.
+const EXACT_OVER_LEARNT: f64 = 2.0;
+/// Of a learnt cell: arrivals of a path that are noted, grains, its number and place, and each outcome.
+const NOTED_PER_PATH: u64 = 16;
+const GRAINS_PER_LEARNT_CELL: u64 = 14;
+const BYTES_PER_LEARNT_CELL: u64 = 80;
+const BYTES_PER_OUTCOME: u64 = 52;
 /// Pixels across and down that are asked whether they see the scene.
 const PROBES: u32 = 48;
 
@@ -81,7 +90,7 @@ pub struct CostEstimate {
     pub film_bytes: u64,
     /// Of it, one copy of the sums, bytes; a film file is about as long.
     pub sums_bytes: u64,
-    /// Processor seconds to make the snow, and to measure the search for light.
+    /// Processor seconds to make the snow, to measure the search for light and to learn.
     pub build_seconds: f64,
     /// Processor seconds to render.
     pub render_seconds: f64,
@@ -141,6 +150,9 @@ impl CostEstimate {
         cost.film_bytes = FILMS * cost.sums_bytes + crop.area() * PICTURE_BYTES_PER_PIXEL;
         let paths = crop.area() as f64 * f64::from(description.film.samples_per_pixel);
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
+        if let Some(deep) = description.deep.filter(|_| cost.grains > 0) {
+            cost.add_deep(description, &deep);
+        }
         if let LightFinding::Sampled(settings) = description.light_finding {
             cost.render_seconds *= SEARCHED_OVER_EXACT;
             if cost.grains > 0 {
@@ -148,6 +160,20 @@ impl CostEstimate {
             }
         }
         cost
+    }
+
+    /// Counts the learning of what light brings from deep in the snow: cells that hold about fourteen grains,
+    /// or fewer where not so many are met.
+    fn add_deep(&mut self, description: &SceneDescription, settings: &DeepSettings) {
+        let slots = slots_of(&description.lights, description.camera.backdrop).len() as u64;
+        let most = settings.learning_paths.saturating_mul(NOTED_PER_PATH);
+        let cells = (self.grains / GRAINS_PER_LEARNT_CELL).min(most);
+        let strata = if description.strata.loads.is_empty() { 0 } else { STRATA as u64 };
+        let sums = BYTES_PER_LEARNT_CELL + slots * 16 * (6 + strata);
+        self.building_bytes = self.building_bytes.saturating_add(cells.saturating_mul(2 * sums));
+        self.surface_bytes += cells * (BYTES_PER_LEARNT_CELL + slots * BYTES_PER_OUTCOME);
+        self.build_seconds += settings.learning_paths as f64 * SECONDS_PER_PATH;
+        self.render_seconds /= EXACT_OVER_LEARNT;
     }
 
     /// Bytes a pixel of what the film keeps beside its sums.

@@ -6,6 +6,7 @@ mod bodies;
 pub mod camera;
 mod catchers;
 pub mod description;
+mod dispersion;
 mod error;
 mod estimate;
 pub mod laboratory;
@@ -21,6 +22,7 @@ pub mod transport;
 mod view;
 pub mod world;
 
+pub use dispersion::BandOptics;
 pub use error::RenderError;
 pub use estimate::CostEstimate;
 pub use render::{

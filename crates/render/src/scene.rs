@@ -6,9 +6,11 @@ use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
 use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
+use crate::transport::deep::OutcomeField;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
@@ -48,6 +50,8 @@ pub enum BuildStage {
     Packing,
     /// What the search for light forgets is measured ([`crate::transport::seek::calibrate`]).
     Light,
+    /// What light brings from deep in the snow is learnt ([`crate::transport::deep`]).
+    Deep,
 }
 
 /// What was made of a body of snow.
@@ -72,6 +76,8 @@ pub struct BuildReport {
     pub grain_bytes: u64,
     /// Memory of the surfaces, bytes.
     pub surface_bytes: u64,
+    /// Cells and bytes of what light brings from deep in the snow, where that is learnt.
+    pub learnt: Option<(usize, u64)>,
 }
 
 /// Everything between a description and a picture.
@@ -95,6 +101,10 @@ pub struct Scene {
     pub strata_colours: Vec<StrataColour>,
     /// How light is looked for; `None` where it is only met.
     pub search: Option<LightSearch>,
+    /// What light from deep in the snow brings; `None` where it is followed to its end.
+    pub outcomes: Option<OutcomeField>,
+    /// The same and the colours of each band of wavelengths, where grains disperse light; else empty.
+    pub bands: Vec<BandOptics>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
     pub catchers_alone: Option<Box<Self>>,
     /// Size and sampling of the picture.
@@ -174,6 +184,13 @@ impl Scene {
                 Some(search.calibrated((&world, &camera), paths, film.seed, level))
             }
         };
+        let outcomes = description.deep.and_then(|settings| {
+            stage(BuildStage::Deep);
+            let lights = (&lights, search.as_ref());
+            let picture = ([film.width, film.height], film.seed);
+            OutcomeField::learn((&world, &camera), lights, &settings, picture, level)
+        });
+        report.learnt = outcomes.as_ref().map(|field| (field.cells(), field.memory_bytes()));
         let catchers_alone = match catchers::alone(description) {
             None => None,
             Some(alone) => {
@@ -188,7 +205,9 @@ impl Scene {
             world,
             camera,
             lights,
+            bands: bands_of(description, &grade, search.as_ref()),
             search,
+            outcomes,
             catchers_alone,
             light_layers,
             glint_layer,
@@ -198,6 +217,22 @@ impl Scene {
             film: description.film.clone(),
             report,
         })
+    }
+
+    /// The index of the grains, and how light is looked for, of a band of wavelengths.
+    pub(crate) fn optics_of(&self, band: usize) -> (f64, Option<&LightSearch>) {
+        match self.bands.get(band) {
+            Some(band) => (band.eta, band.search.as_ref()),
+            None => (self.world.eta, self.search.as_ref()),
+        }
+    }
+
+    /// The colours of light of a band of wavelengths after ice, and after that of several strata.
+    pub(crate) fn colours_of(&self, band: usize) -> (&[IceColour], &[StrataColour]) {
+        match self.bands.get(band) {
+            Some(band) => (&band.colours, &band.strata_colours),
+            None => (&self.colours, &self.strata_colours),
+        }
     }
 
     /// Whether a ray of the camera may start in ice, as far as boxes tell.
@@ -227,7 +262,7 @@ fn grade(description: &SceneDescription, slots: &[LightSlot]) -> Grade {
     Grade {
         primaries: description.film.primaries,
         lights: slots.iter().map(|slot| slot.spectrum).collect(),
-        absorption: ice.absorption,
+        absorption: ice.absorption.clone(),
         impurities: ice.impurities.clone(),
         enhancement: sphere::absorption_enhancement(Dielectric { eta: ice.eta() }),
         exposure_stops: description.film.exposure_stops,
@@ -340,7 +375,7 @@ fn build_grid(
         let quantisation = quantisation_of(description, &objects);
         let with_lamps = has_lamps.then(|| Surfaces::new(&lit.shapes).with_level(level));
         let surfaces = with_lamps.as_ref().unwrap_or(&objects);
-        let searched = description.light_finding != LightFinding::Exact;
+        let searched = description.notes_visits();
         let lattice = implicit_lattice(settings, quantisation, surfaces, searched)?;
         if let Some((grid, digest)) = lattice {
             stage(BuildStage::Packing);

@@ -6,10 +6,11 @@ use crate::description::{
     Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
 use crate::surface::Reflectance;
+use crate::transport::deep::DeepSettings;
 use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
-use snowgrain_optics::{Absorption, Impurity, Load};
+use snowgrain_optics::{Absorption, Impurity, Load, Substance};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -130,6 +131,12 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
                 (settings.calibration_paths >> 32) as u32,
             ]);
         }
+    }
+    if let Some(deep) = scene.deep {
+        hash.tag("deep");
+        let DeepSettings { after_grains, depth, cell, learning_paths } = deep;
+        hash.words(&[after_grains, learning_paths as u32, (learning_paths >> 32) as u32]);
+        hash.doubles(&[depth, cell]);
     }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());
     let mut meshes = HashMap::new();
@@ -259,11 +266,24 @@ fn hash_light(hash: &mut Hash, light: &LightDescription) {
 
 fn hash_ice(hash: &mut Hash, ice: &IceDescription) {
     hash.doubles(&[ice.eta()]);
-    match ice.absorption {
-        Absorption::Grey(per_metre) => hash.doubles(&[per_metre]),
+    match &ice.absorption {
+        Absorption::Grey(per_metre) => hash.doubles(&[*per_metre]),
         Absorption::Measured(source) => hash.tag(source.name()),
+        Absorption::Of(substance) => hash_substance(hash, substance),
+    }
+    if ice.disperses {
+        hash.tag("dispersion");
     }
     hash_impurities(hash, &ice.impurities);
+}
+
+fn hash_substance(hash: &mut Hash, substance: &Substance) {
+    hash.tag(substance.name());
+    if let Substance::Measured(measured) = substance {
+        for spectrum in [&measured.index, &measured.imaginary] {
+            spectrum.points().for_each(|(wavelength, value)| hash.doubles(&[wavelength, value]));
+        }
+    }
 }
 
 fn hash_impurities(hash: &mut Hash, impurities: &[Impurity]) {

@@ -161,7 +161,8 @@ impl Case {
                 transport::PathEnd::Escaped(ray) => (Some(ray.direction), fast.throughput),
                 transport::PathEnd::Emitted { .. }
                 | transport::PathEnd::Absorbed
-                | transport::PathEnd::Enclosed => (None, [0.0; 3]),
+                | transport::PathEnd::Enclosed
+                | transport::PathEnd::Deep => (None, [0.0; 3]),
             };
             let exact_direction = exact.escaped_direction();
             assert!(exact.end != PathEnd::Trapped);

@@ -61,6 +61,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         integrator: IntegratorKind::Grains,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
+        deep: None,
         packing: None,
     }
 }
@@ -101,14 +102,14 @@ fn a_film_that_is_graded_anew_is_a_fresh_render() {
         (Absorption::default(), vec![soot(20.0)]),
         (Absorption::default(), vec![soot(1000.0)]),
         (Absorption::default(), vec![soot(50_000.0)]),
-        (warren, vec![]),
+        (warren.clone(), vec![]),
         (warren, vec![dust]),
         (Absorption::Grey(0.0), vec![algae]),
         (Absorption::Grey(30.0), vec![]),
     ] {
         for primaries in Primaries::ALL {
             let mut other = description.clone();
-            other.ice.absorption = absorption;
+            other.ice.absorption = absorption.clone();
             other.ice.impurities.clone_from(&impurities);
             other.film.primaries = primaries;
             let fresh = rendered(&other, spp);

@@ -44,6 +44,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
         integrator: IntegratorKind::Grains,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
+        deep: None,
         packing: None,
     }
 }

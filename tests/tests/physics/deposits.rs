@@ -102,6 +102,7 @@ pub(crate) fn pile(
         integrator: IntegratorKind::Grains,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
+        deep: None,
         packing: None,
     }
 }

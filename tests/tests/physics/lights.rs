@@ -47,6 +47,7 @@ pub(crate) fn ground(lights: Vec<LightDescription>) -> SceneDescription {
         packing: None,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
+        deep: None,
     }
 }
 

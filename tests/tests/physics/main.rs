@@ -8,12 +8,16 @@
 
 mod colours;
 mod cubes;
+mod deep;
 mod deposits;
+mod dispersion;
+mod glints;
 mod grain;
 mod lights;
 mod pictures;
 mod slabs;
 mod sun;
+mod sun_images;
 mod surfaces;
 
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};

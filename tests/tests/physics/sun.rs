@@ -5,12 +5,15 @@
 use crate::cubes::picture;
 use crate::{SIGMAS, samples};
 use snowgrain_film::{Film, PixelRect};
-use snowgrain_formats::scene::{Loader, SceneFile, resolve};
+use snowgrain_formats::scene::{Loader, ReadGrains, SceneFile, resolve};
+use snowgrain_geometry::Quantisation;
+use snowgrain_grains::GrainField;
+use snowgrain_math::DVec3;
 use snowgrain_render::Scene;
 use snowgrain_render::measure::Estimate;
 
 /// Snow of a rule on a grey floor, seen from the side so that each pixel covers many grains.
-const SNOW: &str = r#"
+pub(crate) const SNOW: &str = r#"
 version = 1
 [film]
 width = 32
@@ -35,17 +38,30 @@ depth = "5 mm"
 area = [-0.03, -0.03, 0.03, 0.03]
 "#;
 
-fn scene(text: &str, changes: &[&str]) -> Scene {
+pub(crate) fn scene(text: &str, changes: &[&str]) -> Scene {
+    scene_with(text, changes, &mut |_| Err("no grains".into()))
+}
+
+/// The scene whose grains have these centres and one radius, metres.
+pub(crate) fn scene_of_grains(text: &str, centers: &[DVec3], radius: f64) -> Scene {
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, radius);
+    let grain = |&center: &DVec3| quantisation.round(center, radius).unwrap();
+    let grains = centers.iter().map(grain).collect::<Vec<_>>();
+    scene_with(text, &[], &mut |_| Ok(GrainField::new(quantisation, grains.clone())))
+}
+
+fn scene_with(text: &str, changes: &[&str], grains: &mut ReadGrains<'_>) -> Scene {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     let file = SceneFile::parse(text, "test.toml".as_ref(), &changes).unwrap();
     let loader = Loader {
         mesh: &mut |_| Err("no mesh".into()),
-        grains: &mut |_| Err("no grains".into()),
+        grains,
         import: &mut |_| Err("no shot".into()),
         environment: &mut |_| Err("no map".into()),
         texture: &mut |_| Err("no texture".into()),
         sizes: &mut |_| Err("no texture".into()),
         plan_image: &mut |_| Err("no texture".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     Scene::build(&resolve(&file, loader).unwrap(), &mut |_| ()).unwrap()
 }
@@ -222,6 +238,6 @@ fn a_sun_that_is_looked_for_has_a_ten_thousandth_of_the_variance() {
     assert!(by_chance / variance > 1e4, "{by_chance} {variance}");
 }
 
-fn sun_direction() -> snowgrain_math::DVec3 {
+fn sun_direction() -> DVec3 {
     snowgrain_render::light::direction_of(40.0, 60.0)
 }

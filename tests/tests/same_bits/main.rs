@@ -23,8 +23,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The scenes: a lattice, a mesh buried in overlapping grains with absorption, layers of many sizes on
-/// round and flat objects, snow in sun and lamps that are looked for, and grains of many shapes.
-const SCENES: [&str; 5] = ["lattice", "buried", "layers", "sunlit", "shapes"];
+/// round and flat objects, snow in sun and lamps that are looked for, grains of many shapes, and
+/// glass that parts colours.
+const SCENES: [&str; 6] = ["lattice", "buried", "layers", "sunlit", "shapes", "dispersed"];
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data/golden").join(name)
@@ -40,6 +41,7 @@ fn description(name: &str) -> SceneDescription {
         texture: &mut |_| Err("nor to a picture".into()),
         sizes: &mut |_| Err("nor to a picture".into()),
         plan_image: &mut |_| Err("nor to a picture".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     resolve(&file, loader).unwrap()
 }

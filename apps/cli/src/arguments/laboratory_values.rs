@@ -6,7 +6,7 @@ use snowgrain_formats::laboratory::{self, GRAIN_RADII, parse_load};
 use snowgrain_optics::colour::VISIBLE_NM;
 use snowgrain_optics::ice::{WAVELENGTHS_NM, radius_of_specific_surface_area};
 use snowgrain_optics::{
-    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries,
+    Absorption, IceAbsorption, Illuminant, Impurity, ImpurityKind, Load, Primaries, Substance,
 };
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -193,6 +193,15 @@ pub(super) fn impurity(text: &str) -> Result<Impurity, String> {
         [impurity] => Ok(impurity),
         _ => Err("write one load, as black-carbon=100ppb".into()),
     }
+}
+
+/// A substance that is built in.
+pub(super) fn substance(name: &str) -> Result<Substance, String> {
+    let known = Substance::BUILT_IN.into_iter().find(|substance| substance.name() == name);
+    known.ok_or_else(|| {
+        let names = Substance::BUILT_IN.map(|substance| substance.name());
+        format!("write {}, or name a table by --indices", names.join(", "))
+    })
 }
 
 /// A source of the absorption of ice.

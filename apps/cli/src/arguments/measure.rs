@@ -23,6 +23,7 @@ pub(crate) enum MeasureKind {
     Slab(Box<SlabArguments>),
     Cube(Box<CubeArguments>),
     Search(Box<LightSearchArguments>),
+    Glints(Box<GlintsArguments>),
 }
 
 /// A level slab of snow that repeats for ever along x and z, lit on one face.
@@ -137,7 +138,8 @@ pub(crate) struct CubeArguments {
 ///
 /// Uniform light that a search finds is compared with what paths meet, which is exact, by the number
 /// of grains on the way, the elevation of the light and its angle from the way back to the camera: what a
-/// sun in such a direction would be wrong by. The paths are others than those that the search is
+/// sun in such a direction would be wrong by. By way of the first two grains that the camera sees a sun is solved
+/// exactly, so that the rows of one and two grains tell of lamps and maps only. The paths are others than those that the search is
 /// calibrated by, so that the error of that shows, too.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
@@ -151,6 +153,36 @@ pub(crate) struct LightSearchArguments {
     #[arg(long, value_name = "N", default_value_t = 1 << 22,
           value_parser = clap::value_parser!(u64).range(1_024..=10_000_000_000))]
     pub(crate) paths: u64,
+
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+
+    /// Prints JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// Tells nothing but results and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Glints: crystals of a scene that send the image of a sun into the camera.
+///
+/// For each sun, faces that mirror it into the camera are counted one by one and compared with the number that faces
+/// in all directions alike make, Omega / (16 pi cos theta_h) of them, which has a Poisson error; those that nothing
+/// hides from sun or camera are counted apart, and so are ways through crystals, refracted and reflected within.
+/// Sharp crystals of one body count, as the middle of the lens sees them.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    snowgrain measure glints shot.toml --rays 64")]
+pub(crate) struct GlintsArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+
+    /// Rays through each crystal, by which refracted and inner glints are found
+    #[arg(long, value_name = "N", default_value_t = 32,
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) rays: u32,
 
     #[command(flatten)]
     pub(crate) machine: MachineArguments,

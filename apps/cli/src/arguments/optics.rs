@@ -8,7 +8,7 @@ use super::laboratory_values::ImpurityLoads;
 use super::{MachineArguments, PlotFile, Series, laboratory_values, values};
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 use snowgrain_optics::sphere::Polarisation;
-use snowgrain_optics::{IceAbsorption, Illuminant, Primaries};
+use snowgrain_optics::{IceAbsorption, Illuminant, Primaries, Substance};
 use snowgrain_render::laboratory::Pack;
 use std::path::PathBuf;
 
@@ -154,15 +154,25 @@ pub(crate) struct ColourArguments {
 #[command(after_help = "Examples:\n  \
     snowgrain optics phase --wavelength 550\n  \
     snowgrain optics phase --ior 1.32 --bins 18 --polarisation tracked\n  \
+    snowgrain optics phase --material salt --shape cube\n  \
     snowgrain optics phase --shape hexagonal-column --aspect 2 --plot column.svg")]
 pub(crate) struct PhaseArguments {
-    /// Wavelength, nm, of the refractive index of ice
+    /// Wavelength, nm, of the refractive index
     #[arg(long, value_name = "NM", default_value = "550",
           value_parser = laboratory_values::wavelength)]
     pub(crate) wavelength: f64,
 
+    /// What the grain is made of: ice, salt, sugar, soda-lime-glass, borosilicate-glass, quartz or fused-silica
+    #[arg(long, value_name = "NAME", default_value = "ice",
+          value_parser = laboratory_values::substance)]
+    pub(crate) material: Substance,
+
+    /// Measured refractive indices instead: lines of a wavelength in nm, n and, if known, k
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["material", "ior"])]
+    pub(crate) indices: Option<PathBuf>,
+
     /// Refractive index instead
-    #[arg(long, value_name = "N", value_parser = values::ior, conflicts_with = "wavelength")]
+    #[arg(long, value_name = "N", value_parser = values::ior, conflicts_with_all = ["wavelength", "material"])]
     pub(crate) ior: Option<f64>,
 
     /// Equal bins of the scattering angle, from 0 to 180 degrees

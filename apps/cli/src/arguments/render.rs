@@ -83,6 +83,12 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub(crate) time_limit: Option<Duration>,
 
+    /// Ends light that is deep in the snow with what other light brought from there, learnt before the picture:
+    /// much faster, and wrong by no more than this part on average over 16x16 pixels, as 0.01 (at least
+    /// 0.001); 0 follows all light to its end. Instead of the scene's integrator.deep
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    pub(crate) lod_error: Option<f64>,
+
     /// Gives each block of 16x16 pixels only as many samples as it needs for this relative error, as
     /// 0.05: the standard error of its pixels (root mean square) over their mean + 0.01. A pilot of 16
     /// samples, which the picture does not hold, finds how many; --spp (or the scene) says how many at

@@ -50,7 +50,9 @@ pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     let (grains, stacks_bytes) = (field.len() as u64, field.bytes() as u64);
     let measured = middle_of(field);
     let pack = PackReport::of(&measured, extent_of(description), &lies);
-    let figures = Figures::new([grains, stacks_bytes], &pack, snowfalls(&reports), spent);
+    let ratio = description.ice.absorption.density_ratio();
+    let fallen = snowfalls(&reports, ratio);
+    let figures = Figures::new([grains, stacks_bytes], (&pack, ratio), fallen, spent);
     progress.finish();
     figures.lines().iter().for_each(|line| progress.note(line));
     if let Some(path) = &arguments.report.json_stats {
@@ -128,7 +130,7 @@ struct Figures {
 impl Figures {
     fn new(
         [grains, grain_bytes]: [u64; 2],
-        pack: &PackReport,
+        (pack, density_ratio): (&PackReport, f64),
         snowfalls: Vec<Option<SnowfallFigures>>,
         spent: process::Spent,
     ) -> Self {
@@ -143,7 +145,7 @@ impl Figures {
             snowfalls,
             union_solid_fraction: pack.union_solid_fraction.mean,
             union_solid_fraction_standard_error: pack.union_solid_fraction.standard_error,
-            union_density: ICE_DENSITY * pack.union_solid_fraction.mean,
+            union_density: density_ratio * ICE_DENSITY * pack.union_solid_fraction.mean,
             nominal_solid_fraction: pack.nominal_solid_fraction,
             contacts_per_grain: pack.contacts_per_grain,
             overlaps_per_grain: pack.overlaps_per_grain,

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::output;
 use snowgrain_film::{Film, FilmError, LightMix, Picture, spectral_layers};
 use snowgrain_formats::read_film;
-use snowgrain_optics::{Grade, Impurity};
+use snowgrain_optics::{Absorption, Grade, Impurity};
 
 pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
     if arguments.output.iter().any(|file| file.format == PictureFormat::Film) {
@@ -23,8 +23,9 @@ pub(super) fn run(arguments: &DevelopArguments) -> Result<u8, Failure> {
     let pictures = Pictures::new(&arguments.output, &arguments.display)?;
     let denoiser = denoiser(&arguments.denoise, &arguments.output, 0)?;
     let film = read_film(&arguments.film)?;
-    let grade = grade(&film, arguments);
     let name = arguments.film.display().to_string();
+    refuse_ice(&film, arguments).map_err(|failure| failure.of(&name))?;
+    let grade = grade(&film, arguments);
     let of_film = |error| Failure::from(error).of(&name);
     let mix = mix(&film, &arguments.group).map_err(of_film)?;
     let mut picture = Picture::mixed(&film, &grade, mix.as_ref()).map_err(of_film)?;
@@ -51,11 +52,29 @@ fn mix(film: &Film, groups: &[GroupFactor]) -> Result<Option<LightMix>, FilmErro
     LightMix::new(film, &factors).map(Some)
 }
 
+/// # Errors
+/// An option that is of ice, for a film of grains of something else.
+fn refuse_ice(film: &Film, arguments: &DevelopArguments) -> Result<(), Failure> {
+    let Absorption::Of(substance) = &film.grade.absorption else { return Ok(()) };
+    let of_ice = [
+        ("--ice-k", arguments.ice_k.is_some()),
+        ("--impurity", !arguments.impurity.is_empty()),
+        ("--clean", arguments.clean),
+    ];
+    let typed = of_ice.iter().find(|(_, typed)| *typed);
+    typed.map_or(Ok(()), |(option, _)| {
+        let name = substance.name();
+        Err(Failure::usage(format!(
+            "{option} is of ice, but its grains are of {name}; leave it out"
+        )))
+    })
+}
+
 /// The film's grade with what the arguments change of it.
 fn grade(film: &Film, arguments: &DevelopArguments) -> Grade {
     let mut grade = film.grade.clone();
-    if let Some(absorption) = arguments.ice_k {
-        grade.absorption = absorption;
+    if let Some(absorption) = &arguments.ice_k {
+        grade.absorption = absorption.clone();
     }
     if let Some(primaries) = arguments.primaries {
         grade.primaries = primaries;

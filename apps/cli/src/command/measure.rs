@@ -1,6 +1,7 @@
 //! `snowgrain measure`.
 
 mod cube;
+mod glints;
 mod search;
 mod slab;
 mod snow;
@@ -15,6 +16,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<u8, Failure> {
         MeasureKind::Slab(arguments) => slab::run(arguments),
         MeasureKind::Cube(arguments) => cube::run(arguments),
         MeasureKind::Search(arguments) => search::run(arguments),
+        MeasureKind::Glints(arguments) => glints::run(arguments),
     }
 }
 

@@ -170,6 +170,14 @@ fn load(arguments: &RenderArguments, progress: &Progress) -> Result<LoadedScene,
     if let Some(packing) = &arguments.packing {
         changes.push(format!("integrator.packing={packing}"));
     }
+    match arguments.lod_error {
+        None => {}
+        Some(0.0) => changes.push("integrator.deep=exact".to_owned()),
+        Some(error) => {
+            changes.push("integrator.deep=learnt".to_owned());
+            changes.push(format!("integrator.lod_error={error}"));
+        }
+    }
     let for_wavelengths = arguments.wavelengths.as_ref().map(|_| "ice-paths");
     for keep in arguments.keep.iter().map(String::as_str).chain(for_wavelengths) {
         changes.push(format!("film.keep+={keep}"));

@@ -11,6 +11,7 @@ mod hostile;
 mod laboratory;
 mod lasting;
 mod light_in_snow;
+mod materials;
 mod measures;
 mod noise;
 mod packings;

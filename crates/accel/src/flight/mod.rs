@@ -19,7 +19,7 @@ use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
 pub use probe::{Passage, Probe, ProbeAnswer, Probes};
 pub use shapes::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
-pub use visit::{ArrivalFrom, GrainVisit, ShapedArrival};
+pub use visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival};
 
 use blocks::BlockFlight;
 use crystal::CrystalFlight;
@@ -45,6 +45,8 @@ pub enum FlightEvent {
     Left,
     /// It met a surface, in air or in ice.
     Surface(SurfaceHit),
+    /// It arrived at a grain deep in the snow ([`Flight::watch_deep`]), and cannot go on.
+    Deep(GrainVisit),
     /// It made [`MAX_TURNS_IN_ICE`] turns without coming out.
     Trapped,
 }
@@ -208,6 +210,17 @@ impl<'a> Flight<'a> {
         match &mut self.engine {
             Engine::Shapes(flight) => flight.note_visits(),
             Engine::Blocks(_) | Engine::Crystal(_) => self.blocks().note_visits(),
+        }
+    }
+
+    /// Stops paths that arrive deep in the snow from now on, or notes these arrivals (from air).
+    ///
+    /// # Panics
+    /// As [`Self::note_visits`].
+    pub fn watch_deep(&mut self, watch: DeepWatch<'a>) {
+        match &mut self.engine {
+            Engine::Shapes(flight) => flight.watch_deep(watch),
+            Engine::Blocks(_) | Engine::Crystal(_) => self.blocks().watch_deep(watch),
         }
     }
 

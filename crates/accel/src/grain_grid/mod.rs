@@ -12,6 +12,7 @@
 mod block;
 mod build;
 mod inside;
+mod interior;
 mod lattice_cells;
 mod packed_cells;
 mod packing;
@@ -23,6 +24,7 @@ mod tests;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
+pub use interior::Interior;
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
@@ -366,6 +368,12 @@ impl GrainGrid {
     #[must_use]
     pub fn has_shapes(&self) -> bool {
         self.shapes.is_some()
+    }
+
+    /// Whether any grain has a stratum.
+    #[must_use]
+    pub fn has_strata(&self) -> bool {
+        !self.strata.is_empty()
     }
 
     /// The strata of the grains of each block; empty where no grain has one.

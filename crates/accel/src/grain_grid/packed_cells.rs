@@ -89,6 +89,12 @@ impl PackedCells {
         self.entries[self.index(cell)]
     }
 
+    /// The entries of the cells of the brick that holds a cell, where any of them holds anything.
+    pub(crate) fn brick(&self, cell: [i32; 3]) -> Option<&[CellEntry]> {
+        let first = self.table[self.brick_of(cell)] as usize * CELLS_PER_BRICK;
+        (first != 0).then(|| &self.entries[first..first + CELLS_PER_BRICK])
+    }
+
     /// The index of a cell's entry.
     #[inline(always)]
     pub(crate) fn index(&self, cell: [i32; 3]) -> usize {

@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod shapes;
 mod snow;
+mod substance;
 
 pub use animate::{AnimateTable, AnimatedValue, BetweenName};
 pub use camera::{CameraKind, CameraTable, ImportTable};
@@ -18,6 +19,7 @@ pub use light::{LightKindName, LightTable, SpectrumName, UnitsName};
 pub use material::{MaterialName, MetalName};
 pub use shapes::{OrientationName, ShapeName, ShapeTable};
 pub use snow::{DepositRuleName, LatticeName, SnowSource, SnowTable};
+pub use substance::{MaterialTable, SubstanceName};
 
 use super::quantity::{Absorption, Length, LoadText, Triple};
 use schemars::JsonSchema;
@@ -40,7 +42,10 @@ pub struct SceneDocument {
     /// The camera; may be left out where `import` has one.
     #[serde(default)]
     pub camera: Option<CameraTable>,
-    /// The ice that grains are made of.
+    /// What grains are made of.
+    #[serde(default)]
+    pub material: MaterialTable,
+    /// The ice that grains are made of, and what lies between them.
     #[serde(default)]
     pub ice: IceTable,
     /// The lights; their radiances add. At least one, or an object with `emission`, or a light of `import`.
@@ -302,23 +307,47 @@ pub enum ShapeKind {
 }
 
 /// How light is traced.
-#[derive(Clone, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
     /// "grains" (every grain is met); default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
-    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, within 1 to
-    /// 2 % of exact), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
+    /// (suns, lamps and maps are looked for at every grain and surface: far less noise, and right within what
+    /// `snowgrain measure search` tells; docs/lights.md), "all-sampled" (skies too) or "auto" (exact where all lights are skies, else
     /// sampled); default "auto".
     pub light: LightFindingName,
     /// Paths by which is measured, before the picture, what light that is looked for differs by from light
     /// that is met: an error of 300 % over its square root is left in the light of a sun. Default
     /// 1048576, 5 to 20 s of one core.
     pub calibration_paths: Option<u64>,
+    /// What becomes of light deep in the snow: "exact" (it is followed to its end) or "learnt" (it ends there with
+    /// what other paths brought from there: ten times faster and more, see docs/deep.md); default "exact".
+    pub deep: DeepName,
+    /// Part by which learnt light may be wrong on average over a block of 16 x 16 pixels, from 0.001: it chooses the
+    /// following three; default 0.01.
+    pub lod_error: Option<f64>,
+    /// Grains that a path meets exactly before it may end; default 4 (8 and 16 for errors of .003 and .001).
+    pub deep_after_grains: Option<u32>,
+    /// How far from open air and surfaces it must then be, in transport lengths (11.6 mm for grains of .5 mm
+    /// at 275 kg/m^3); default 0.5 (1 and 2).
+    pub deep_depth: Option<f64>,
+    /// Paths by which it is learnt; default 262144 (1048576 and 4194304).
+    pub learning_paths: Option<u64>,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.
     pub packing: Option<PackingName>,
+}
+
+/// What becomes of light deep in the snow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeepName {
+    /// It is followed to its end.
+    #[default]
+    Exact,
+    /// It ends with what others brought.
+    Learnt,
 }
 
 /// How lights are found.

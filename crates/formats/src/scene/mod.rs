@@ -33,8 +33,8 @@ pub use mesh_scene::{MeshScene, MeshSceneOptions, MeshUnits, UpAxis, scene_for_m
 pub use parse::{MAX_SCENE_BYTES, SCENE_VERSION, SceneFile};
 pub use quantity::{Absorption, Length, LoadText, Triple};
 pub use resolve::{
-    Loader, ReadEnvironment, ReadGrains, ReadImport, ReadMesh, ReadPlanImage, ReadSizes,
-    ReadTexture, furnace, resolve,
+    Loader, ReadEnvironment, ReadGrains, ReadImport, ReadMesh, ReadOpticalConstants, ReadPlanImage,
+    ReadSizes, ReadTexture, furnace, resolve,
 };
 pub use schema::schema;
 pub use shot_scene::scene_for_shot;

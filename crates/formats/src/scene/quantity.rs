@@ -107,7 +107,7 @@ impl JsonSchema for Length {
 }
 
 /// What ice absorbs: the name of a source, or a number of 1/m.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Absorption(pub snowgrain_optics::Absorption);
 
 impl<'de> Deserialize<'de> for Absorption {

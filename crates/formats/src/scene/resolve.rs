@@ -2,16 +2,16 @@
 
 mod camera;
 mod checks;
+mod deep;
 mod import;
 mod lights;
 mod objects;
 mod shapes;
 mod snow;
+mod substance;
 mod surfaces;
 
-use super::document::{
-    IntegratorName, KeepName, PackingName, PoresName, PrimariesName, SamplerName,
-};
+use super::document::{IntegratorName, KeepName, PackingName, PrimariesName, SamplerName};
 use super::quantity::LoadText;
 use super::{LoadError, SceneError, SceneFile};
 use crate::gltf::ImportedScene;
@@ -19,10 +19,10 @@ use crate::laboratory::{impurity_kind, parse_load};
 use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
-use snowgrain_optics::{Absorption, Impurity, Primaries};
+use snowgrain_optics::{Impurity, MeasuredSubstance, Primaries};
 use snowgrain_render::description::{
-    DirectView, FilmDescription, IceDescription, IntegratorKind, LightDescription, LightFinding,
-    LightKind, Packing, Pores, Sampler, SceneDescription, Surface,
+    DirectView, FilmDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
+    Packing, Sampler, SceneDescription, Surface,
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::surface::Texture;
@@ -52,6 +52,9 @@ pub type ReadSizes<'a> = dyn FnMut(&Path) -> Result<Vec<(f64, f64)>, LoadError> 
 /// Reads a picture of numbers: columns and rows, and the grey values as they stand, white 1.
 pub type ReadPlanImage<'a> = dyn FnMut(&Path) -> Result<([usize; 2], Vec<f32>), LoadError> + 'a;
 
+/// Reads a table of indices of refraction.
+pub type ReadOpticalConstants<'a> = dyn FnMut(&Path) -> Result<MeasuredSubstance, LoadError> + 'a;
+
 /// How the files that a scene refers to are read.
 pub struct Loader<'a> {
     /// Reads a mesh.
@@ -68,6 +71,8 @@ pub struct Loader<'a> {
     pub sizes: &'a mut ReadSizes<'a>,
     /// Reads heights of snow or a mask.
     pub plan_image: &'a mut ReadPlanImage<'a>,
+    /// Reads indices of refraction.
+    pub optical_constants: &'a mut ReadOpticalConstants<'a>,
 }
 
 /// What the scene means: every value checked, units converted, references loaded (relative to the
@@ -88,6 +93,7 @@ pub struct Loader<'a> {
 ///     texture: &mut |_| Err("nor here".into()),
 ///     sizes: &mut |_| Err("nor here".into()),
 ///     plan_image: &mut |_| Err("nor here".into()),
+///     optical_constants: &mut |_| Err("nor here".into()),
 ///     import: &mut |_| Err("nor here".into()),
 /// };
 /// let description = resolve(&file, loader)?;
@@ -96,10 +102,11 @@ pub struct Loader<'a> {
 /// ```
 pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription, SceneError> {
     let checks = Checks::new(file);
-    let Loader { mesh, grains, environment, import, texture, sizes, plan_image } = loader;
+    let Loader { mesh, grains, environment, import, texture, sizes, plan_image, optical_constants } =
+        loader;
     let film = film(&checks)?;
     let written_camera = camera::camera(&checks)?;
-    let mut ice = ice(&checks)?;
+    let mut ice = substance::grains(&checks, optical_constants)?;
     let shot = import::import(&checks, import)?;
     let mut lights = lights::lights(&checks, shot.lights, environment)?;
     let no_camera =
@@ -110,7 +117,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     lights.extend(lamps);
     let bounded = objects.iter().any(objects::is_finite);
     let mut snow_files = snow::SnowFiles { grains, sizes, plan_image, objects: &mut files };
-    let snow = snow::snow(&checks, bounded, &mut snow_files)?;
+    let snow = snow::snow(&checks, bounded, &ice, &mut snow_files)?;
     let shapes = shapes::shapes(&checks, &mut files)?;
     let (everywhere, strata) = strata(&checks, film.keep_ice_paths)?;
     ice.impurities.extend(everywhere);
@@ -125,6 +132,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Compact => Packing::Compact,
     });
     let light_finding = lights::finding(&checks, &lights)?;
+    let deep = deep::deep(&checks)?;
     Ok(SceneDescription {
         film,
         camera,
@@ -136,6 +144,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         strata,
         integrator,
         light_finding,
+        deep,
         packing,
     })
 }
@@ -167,24 +176,6 @@ fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {
         exposure_stops: camera::exposure_stops(checks)?,
         keep_light_groups: film.keep.contains(&KeepName::LightGroups),
     })
-}
-
-fn ice(checks: &Checks<'_>) -> Result<IceDescription, SceneError> {
-    let ice = &checks.document().ice;
-    if !(1.0..=4.0).contains(&ice.ior) {
-        return Err(checks.bad("ice.ior", "must be 1 to 4 (ice has 1.31)"));
-    }
-    if let Absorption::Grey(per_metre) = ice.absorption.0
-        && !(per_metre >= 0.0 && per_metre.is_finite())
-    {
-        return Err(checks.bad("ice.absorption", "must be a finite number of 1/m, at least 0"));
-    }
-    let impurities = impurities(checks, "ice.impurities", &ice.impurities)?;
-    let pores = match ice.pores {
-        PoresName::Air => Pores::Air,
-        PoresName::Water => Pores::Water,
-    };
-    Ok(IceDescription { ior: ice.ior, pores, absorption: ice.absorption.0, impurities })
 }
 
 /// The impurities of bodies of snow: those that all have, and those of single ones.
@@ -233,10 +224,12 @@ fn impurities(
 /// radiance 1. Nothing is lost and nothing is gained, so every pixel must be exactly 1.
 #[must_use]
 pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
-    scene.ice = IceDescription { pores: scene.ice.pores, ..IceDescription::clear(scene.ice.ior) };
+    scene.ice.absorption = scene.ice.absorption.none();
+    scene.ice.impurities.clear();
     scene.strata = Strata::default();
     scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.light_finding = LightFinding::Exact;
+    scene.deep = None;
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.surface = Surface::diffuse([1.0; 3]);

@@ -6,6 +6,7 @@ mod mesh_scenes;
 mod never_panics;
 mod packed;
 mod refused;
+mod substances;
 
 use super::{LoadError, Loader, SceneError, SceneFile, resolve};
 use crate::gltf::{
@@ -15,6 +16,7 @@ use crate::gltf::{
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_math::{DAffine3, DVec3};
+use snowgrain_optics::{MeasuredSubstance, Spectrum};
 use snowgrain_render::description::SceneDescription;
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::surface::Texture;
@@ -116,6 +118,17 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
         Some("folder/drift.png") => Ok(([2, 1], vec![0.0, 1.0])),
         _ => Err(LoadError::from("no such file")),
     };
+    let read_optical_constants = |path: &Path| match path.to_str() {
+        Some("folder/topaz.csv") => {
+            let spectrum = |values: [f64; 2]| Spectrum::new(vec![380.0, 780.0], values.to_vec());
+            Ok(MeasuredSubstance {
+                index: spectrum([1.64, 1.62]).unwrap(),
+                imaginary: spectrum([0.0, 1e-7]).unwrap(),
+                density: None,
+            })
+        }
+        _ => Err(LoadError::from("no such file")),
+    };
     let loader = Loader {
         mesh: &mut { read_mesh },
         grains: &mut { read_grains },
@@ -124,6 +137,7 @@ fn meaning_of(file: &SceneFile) -> Result<SceneDescription, SceneError> {
         texture: &mut { read_texture },
         sizes: &mut { read_sizes },
         plan_image: &mut { read_plan_image },
+        optical_constants: &mut { read_optical_constants },
     };
     resolve(file, loader)
 }

@@ -51,7 +51,13 @@ fn check(key: &'static str, value: f64, [least, most]: [f64; 2]) -> Result<(), G
 /// The prototype made of parts: as large as the unit ball.
 pub(super) fn normalised(name: String, parts: Vec<ConvexBody>) -> Shape {
     let size = 2.0 * parts.iter().map(|part| part.bounding_radius(FAR)).fold(0.0, f64::max);
-    let Measured { volume, surface_area, mean_projected_area } = measure::of_union(&parts, size);
+    let measured = measure::of_union(&parts, size);
+    scaled(name, parts, &measured)
+}
+
+/// The same of parts whose union has these measures.
+pub(super) fn scaled(name: String, parts: Vec<ConvexBody>, measured: &Measured) -> Shape {
+    let Measured { volume, surface_area, mean_projected_area } = *measured;
     let scale = trig::cbrt(Shape::VOLUME / volume);
     let place = |part: &ConvexBody| part.placed(DMat3::IDENTITY, scale, DVec3::ZERO);
     let parts: Vec<ConvexBody> =

@@ -4,6 +4,8 @@ use snowgrain_math::{DMat3, DVec3};
 
 /// Sub-triangles along an edge, where a measure has to be summed numerically.
 const FINENESS: u32 = 96;
+/// Farther than any corner of a body, in distances of its farthest face.
+const FARTHEST: f64 = 1e3;
 /// Cut-off of polygons: vertices nearer than this part of the size are one.
 const SAME_POINT: f64 = 1e-12;
 
@@ -54,6 +56,17 @@ pub struct ConvexBody {
     pub faces: Vec<Face>,
     /// What rounds it.
     pub ellipsoid: Option<Ellipsoid>,
+}
+
+/// A face that shows: its outward normal, the middle of its corners' triangles by area, and its area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatFace {
+    /// Outward unit normal.
+    pub normal: DVec3,
+    /// Centre of its area.
+    pub centroid: DVec3,
+    /// Area.
+    pub area: f64,
 }
 
 /// What integrals over the surface of a body give.
@@ -147,6 +160,18 @@ impl ConvexBody {
         (0..self.faces.len()).map(|index| polygon(&self.faces, index, size)).collect()
     }
 
+    /// The faces that show of a body without an ellipsoid; none where one rounds it.
+    #[must_use]
+    pub fn flat_faces(&self) -> Vec<FlatFace> {
+        if self.ellipsoid.is_some() {
+            return Vec::new();
+        }
+        let far = self.faces.iter().map(|face| face.distance.abs()).fold(1.0, f64::max);
+        let corners = self.polygons(FARTHEST * far);
+        let shown = self.faces.iter().zip(&corners).filter(|(_, corners)| !corners.is_empty());
+        shown.map(|(face, corners)| FlatFace::of(face.normal, corners)).collect()
+    }
+
     /// Distance of the farthest point from the origin, or somewhat more.
     pub(super) fn bounding_radius(&self, size: f64) -> f64 {
         let corners = self.polygons(size);
@@ -213,6 +238,19 @@ impl ConvexBody {
         sum.volume += volume;
         sum.surface_area += surface;
         sum.moment += direction * (0.75 * reach * volume);
+    }
+}
+
+impl FlatFace {
+    pub(super) fn of(normal: DVec3, corners: &[DVec3]) -> Self {
+        let (mut area, mut moment) = (0.0, DVec3::ZERO);
+        for pair in corners.windows(2).skip(1) {
+            let [a, b, c] = [corners[0], pair[0], pair[1]];
+            let part = 0.5 * (b - a).cross(c - a).length();
+            area += part;
+            moment += (a + b + c) * (part / 3.0);
+        }
+        Self { normal, centroid: moment / area, area }
     }
 }
 
@@ -283,7 +321,7 @@ fn polygon(faces: &[Face], index: usize, size: f64) -> Vec<DVec3> {
 }
 
 /// The part of a convex polygon behind a plane (Sutherland and Hodgman 1974).
-fn clipped(corners: &[DVec3], face: &Face) -> Vec<DVec3> {
+pub(super) fn clipped(corners: &[DVec3], face: &Face) -> Vec<DVec3> {
     let above = |p: DVec3| face.normal.dot(p) - face.distance;
     let mut kept = Vec::with_capacity(corners.len() + 1);
     for (index, &from) in corners.iter().enumerate() {

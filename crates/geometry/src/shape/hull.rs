@@ -68,7 +68,7 @@ impl Shape {
 }
 
 /// Whether each edge belongs to two triangles that run along it in opposite directions.
-fn check_closed(mesh: &TriangleMesh) -> Result<(), GeometryError> {
+pub(super) fn check_closed(mesh: &TriangleMesh) -> Result<(), GeometryError> {
     // Meshes often hold a vertex several times.
     let mut number = HashMap::new();
     let mut numbered = |vertex: u32| {

@@ -1,6 +1,6 @@
 //! Volume, surface and shadow of a union of convex bodies.
 
-use super::convex::{ConvexBody, Interval};
+use super::convex::{ConvexBody, Face, FlatFace, Interval, clipped};
 use core::f64::consts::{PI, TAU};
 use snowgrain_math::{DVec3, frame, trig};
 
@@ -26,6 +26,30 @@ pub(super) fn of_union(parts: &[ConvexBody], size: f64) -> Measured {
         }
         parts => by_lines(parts, size),
     }
+}
+
+/// Area of the surface of a union of polyhedra that do not overlap: of all faces, less what pairs share, which lie on
+/// planes with exactly opposite numbers.
+pub(super) fn outer_area(parts: &[ConvexBody], size: f64) -> f64 {
+    let area_of = |normal, corners: &[DVec3]| match corners.len() {
+        0..3 => 0.0,
+        _ => FlatFace::of(normal, corners).area,
+    };
+    let mut area = 0.0;
+    for (index, part) in parts.iter().enumerate() {
+        for (face, corners) in part.faces.iter().zip(part.polygons(size)) {
+            area += area_of(face.normal, &corners);
+            for other in parts.iter().enumerate().filter(|(at, _)| *at != index).map(|(_, o)| o) {
+                let is_opposite =
+                    |f: &&Face| f.normal == -face.normal && f.distance == -face.distance;
+                let Some(opposite) = other.faces.iter().find(is_opposite) else { continue };
+                let rest = other.faces.iter().filter(|face| *face != opposite);
+                let shared = rest.fold(corners.clone(), |corners, face| clipped(&corners, face));
+                area -= area_of(face.normal, &shared);
+            }
+        }
+    }
+    area
 }
 
 /// Volume of a body that is an ellipsoid and nothing else.

@@ -9,12 +9,13 @@
 //! rounds as dissolving does, would need an edge and a corner each a test of its own.)
 
 mod build;
+mod cells;
 mod convex;
 mod hull;
 mod measure;
 mod orientation;
 
-pub use convex::{ConvexBody, Ellipsoid, Face, Interval, SurfacePart};
+pub use convex::{ConvexBody, Ellipsoid, Face, FlatFace, Interval, SurfacePart};
 pub use orientation::GrainShape;
 
 use crate::GeometryError;
@@ -104,11 +105,19 @@ impl Shape {
             let reason = format!("\"{name}\" is no shape that this version knows");
             GeometryError::BadShape { key: "shape", reason }
         };
-        let ["polyhedron", numbers @ ..] = words.as_slice() else { return Err(unknown()) };
+        let [kind @ ("polyhedron" | "cells"), numbers @ ..] = words.as_slice() else {
+            return Err(unknown());
+        };
         let numbers: Result<Vec<f64>, _> = numbers.iter().map(|word| word.parse()).collect();
         let numbers = numbers.map_err(|_| unknown())?;
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err(unknown());
+        }
+        if *kind == "cells" {
+            return Self::of_cell_numbers(&numbers).unwrap_or_else(|| Err(unknown()));
+        }
         let (faces, rest) = numbers.as_chunks::<4>();
-        if !rest.is_empty() || numbers.iter().any(|x| !x.is_finite()) {
+        if !rest.is_empty() {
             return Err(unknown());
         }
         let face = |&[x, y, z, distance]: &[f64; 4]| Face { normal: DVec3::new(x, y, z), distance };

@@ -200,3 +200,124 @@ fn meshes_that_are_open_hollow_or_inside_out_are_refused() {
     dented[0] = DVec3::splat(0.3);
     assert_eq!(with(dented, good.triangles), GeometryError::NotConvex);
 }
+
+#[test]
+fn flat_faces_add_up_to_the_surface_and_lie_on_their_planes() {
+    for kind in [
+        ShapeKind::Cube { rounding: 0.0 },
+        ShapeKind::HexagonalPrism { aspect: 0.1, rounding: 0.0 },
+        ShapeKind::RandomPolyhedron { faces: 14, seed: 1, rounding: 0.0 },
+    ] {
+        let shape = Shape::new(kind).unwrap();
+        let faces = shape.parts()[0].flat_faces();
+        let area: f64 = faces.iter().map(|face| face.area).sum();
+        assert!((area / shape.surface_area() - 1.0).abs() < 1e-9, "{kind:?} {area}");
+        for face in faces {
+            assert!(shape.contains(face.centroid - face.normal * 1e-9));
+            assert!(!shape.contains(face.centroid + face.normal * 1e-9));
+        }
+    }
+    let rounded = Shape::new(ShapeKind::Cube { rounding: 0.3 }).unwrap();
+    assert!(rounded.parts()[0].flat_faces().is_empty());
+}
+
+/// A prism whose base is an outline on the plan y = 0, counter-clockwise seen from above; 1 high. Its caps are fans
+/// around a point that sees all of the outline.
+fn prism(outline: &[[f64; 2]], middle: [f64; 2]) -> TriangleMesh {
+    let n = outline.len() as u32;
+    let at = |[x, z]: [f64; 2], y: f64| DVec3::new(x, y, -z);
+    let mut positions: Vec<DVec3> = outline.iter().map(|&p| at(p, 0.0)).collect();
+    positions.extend(outline.iter().map(|&p| at(p, 1.0)));
+    positions.extend([at(middle, 0.0), at(middle, 1.0)]);
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        let j = (i + 1) % n;
+        triangles.extend([
+            [2 * n + 1, n + i, n + j],
+            [2 * n, j, i],
+            [i, j, n + j],
+            [i, n + j, n + i],
+        ]);
+    }
+    TriangleMesh::new(positions, triangles).unwrap()
+}
+
+fn star(points: u32) -> TriangleMesh {
+    let corner = |i: u32| {
+        let (sin, cos) = trig::sin_cos(PI * f64::from(i) / f64::from(points));
+        let radius = if i.is_multiple_of(2) { 1.0 } else { 0.4 };
+        [radius * cos, radius * sin]
+    };
+    prism(&(0..2 * points).map(corner).collect::<Vec<_>>(), [0.0, 0.0])
+}
+
+fn bracket() -> TriangleMesh {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    prism(&outline, [0.7, 0.6])
+}
+
+#[test]
+fn a_mesh_with_hollows_is_the_union_of_convex_cells_without_seams() {
+    // Area of the outline of a star of n points: n sin(pi / n) R r.
+    let of_star = |n: f64| n * trig::sin_cos(PI / n).0 * 0.4;
+    for (mesh, volume, most) in
+        [(bracket(), 3.0, 3), (star(5), of_star(5.0), 16), (star(6), of_star(6.0), 19)]
+    {
+        let shape = Shape::of_mesh(&mesh).unwrap();
+        assert!(shape.parts().len() > 1 && shape.parts().len() <= most, "{}", shape.parts().len());
+        let again = Shape::of_name(shape.name()).unwrap();
+        assert_eq!(again, shape);
+        // Of the mesh at its own size.
+        let scale = trig::cbrt(Shape::VOLUME / volume);
+        let area: f64 = (0..mesh.triangles.len())
+            .map(|index| mesh.corners(index))
+            .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
+            .sum();
+        let ratio = shape.surface_area() / (area * scale * scale);
+        assert!((ratio - 1.0).abs() < 1e-9, "{} cells, {ratio}", shape.parts().len());
+        let (mut length, lines, radius) = (0.0, 20_000u32, shape.bounding_radius());
+        for index in 0..lines {
+            let (origin, direction) = line(index.into(), radius);
+            let mut stretches: Vec<[f64; 2]> = shape
+                .parts()
+                .iter()
+                .filter_map(|part| part.interval(origin, direction))
+                .map(|on| [on.enter, on.leave])
+                .collect();
+            stretches.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            for pair in stretches.windows(2) {
+                let gap = pair[1][0] - pair[0][1];
+                assert!(gap == 0.0 || gap > 1e-9, "cells overlap or a seam is open: {gap:e}");
+            }
+            length += stretches.iter().map(|[enter, leave]| leave - enter).sum::<f64>();
+        }
+        let found = length / f64::from(lines) * PI * radius * radius;
+        assert!((found / Shape::VOLUME - 1.0).abs() < 0.03, "{found}");
+    }
+    let cube =
+        Shape::of_mesh(&prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [0.5, 0.5]));
+    assert_eq!(cube.unwrap().parts().len(), 1);
+}
+
+#[test]
+fn meshes_that_enclose_no_body_are_refused_by_what_is_wrong() {
+    let mut inside_out = bracket();
+    inside_out.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+    assert_eq!(Shape::of_mesh(&inside_out).unwrap_err(), GeometryError::InsideOut);
+    let (a, b) = (bracket(), bracket());
+    let shift = DVec3::new(0.3, 0.2, -0.4);
+    let positions = a.positions.iter().copied().chain(b.positions.iter().map(|&p| p + shift));
+    let count = a.positions.len() as u32;
+    let moved = b.triangles.iter().map(|corners| corners.map(|v| v + count));
+    let triangles = a.triangles.iter().copied().chain(moved).collect();
+    let crossing = TriangleMesh::new(positions.collect(), triangles).unwrap();
+    assert_eq!(Shape::of_mesh(&crossing).unwrap_err(), GeometryError::CrossingMesh);
+    let mut open = bracket();
+    open.triangles.pop();
+    assert!(matches!(Shape::of_mesh(&open).unwrap_err(), GeometryError::OpenMesh { .. }));
+    let many = Shape::of_mesh(&star(80));
+    assert!(matches!(many, Err(GeometryError::TooManyCells { most: 64 })));
+    for name in ["cells", "cells 1", "cells 1 4 0 0 1", "cells 2.5", "cells 99 0", "cells 0"] {
+        assert!(Shape::of_name(name).is_err(), "{name}");
+    }
+}

@@ -3,7 +3,7 @@
 use crate::GrainsError;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DVec3};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Most squares along an edge of the plan; there are about as many as triangles.
 const MOST_SQUARES: f64 = 2048.0;
@@ -55,6 +55,35 @@ impl Solid {
         let sense = if volume < 0.0 { -1 } else { 1 };
         let volume = volume.abs() / 6.0;
         Ok(Self { positions, triangles, sense, bounds, volume, squares })
+    }
+
+    /// What lies between an open mesh and the level `base`, metres: the mesh is a surface of heights, which
+    /// vertical walls along its rim and a floor close.
+    ///
+    /// # Errors
+    /// A mesh that is closed, reaches below the level, or hangs over; as [`Self::new`].
+    pub fn under(mesh: &TriangleMesh, base: f64) -> Result<Self, GrainsError> {
+        let (top, mut triangles) = welded(mesh);
+        face_up(&top, &mut triangles)?;
+        if let Some(at) = top.iter().find(|at| at.y < base) {
+            let reason = format!(
+                "the mesh reaches to ({}, {}, {}) m, below the base of {base} m; lower that",
+                at.x, at.y, at.z
+            );
+            return Err(GrainsError::setting("base", reason));
+        }
+        let rim = rim(&triangles);
+        if rim.is_empty() {
+            let reason = "the mesh is closed, and filled as it is; remove the base";
+            return Err(GrainsError::setting("base", reason));
+        }
+        let below = top.len() as u32;
+        let floor = triangles.iter().map(|&[a, b, c]| [c + below, b + below, a + below]);
+        let walls = rim.iter().flat_map(|&[a, b]| [[b, a, a + below], [b, a + below, b + below]]);
+        let all: Vec<[u32; 3]> = triangles.iter().copied().chain(floor).chain(walls).collect();
+        let shadow = top.iter().map(|at| DVec3::new(at.x, base, at.z));
+        let positions: Vec<DVec3> = top.iter().copied().chain(shadow).collect();
+        Self::new(&TriangleMesh { positions, triangles: all, coordinates: Vec::new() })
     }
 
     /// The box around it, metres.
@@ -154,6 +183,44 @@ fn welded(mesh: &TriangleMesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (positions, triangles)
 }
 
+/// Turns the triangles of a surface of heights up.
+///
+/// # Errors
+/// Triangles of which some face up and others down.
+fn face_up(positions: &[DVec3], triangles: &mut [[u32; 3]]) -> Result<(), GrainsError> {
+    let on_plan = |corners: [u32; 3]| {
+        let [a, b, c] = corners.map(|v| positions[v as usize]);
+        (b - a).cross(c - a).y
+    };
+    let whole: f64 = triangles.iter().map(|&corners| on_plan(corners)).sum();
+    if whole < 0.0 {
+        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    let Some(&[corner, ..]) = triangles.iter().find(|&&corners| on_plan(corners) < 0.0) else {
+        return Ok(());
+    };
+    let at = positions[corner as usize];
+    let reason = format!(
+        "the open mesh hangs over, or its triangles face different ways, at ({}, {}, {}) m; heights have one \
+         surface over each place: close the mesh, or unify its normals",
+        at.x, at.y, at.z
+    );
+    Err(GrainsError::setting("file", reason))
+}
+
+/// The edges that one triangle passes and none passes back, as it passes them.
+fn rim(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut balance: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+    for &[a, b, c] in triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            *balance.entry([from.min(to), from.max(to)]).or_default() +=
+                if from < to { 1 } else { -1 };
+        }
+    }
+    let passed = balance.into_iter().filter(|(_, passes)| *passes != 0);
+    passed.map(|([low, high], passes)| if passes > 0 { [low, high] } else { [high, low] }).collect()
+}
+
 /// # Errors
 /// An edge that is not passed as often in both directions.
 fn check_closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), GrainsError> {
@@ -171,7 +238,8 @@ fn check_closed(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), Grain
         "file",
         format!(
             "the mesh is not closed: the edge from ({}, {}, {}) to ({}, {}, {}) m has no second side, \
-             or its triangles face different ways; close its holes and unify its normals",
+             or its triangles face different ways; close its holes and unify its normals, or say the base \
+             that a surface of heights stands on",
             a.x, a.y, a.z, b.x, b.y, b.z
         ),
     ))

@@ -38,6 +38,22 @@ impl PlanImage {
         Ok(Self { size, values, area })
     }
 
+    /// The picture as parts of a density.
+    ///
+    /// # Errors
+    /// A value below 0 or above 1.
+    pub fn check_parts(self) -> Result<Self, GrainsError> {
+        let Some(at) = self.values.iter().position(|value| !(0.0..=1.0).contains(value)) else {
+            return Ok(self);
+        };
+        let (column, row) = (at % self.size[0], at / self.size[0]);
+        let reason = format!(
+            "the pixel in column {column}, row {row} (from 0) is {}; parts of a density are 0 (black) to 1 (white)",
+            self.values[at]
+        );
+        Err(GrainsError::setting("density_map", reason))
+    }
+
     /// The value at a point's place on the plan.
     #[must_use]
     pub fn at(&self, point: DVec3) -> f64 {

@@ -70,7 +70,7 @@ fn filled(settings: &FillSettings) -> GrainField {
 
 fn settings(body: Body) -> FillSettings {
     let pack = PackSettings { radii: Radii::equal(R), density: 250.0, seed: 1 };
-    FillSettings { pack, body, mask: None }
+    FillSettings { pack, body, mask: None, density_map: None }
 }
 
 #[test]
@@ -181,4 +181,83 @@ fn a_mesh_and_a_box_hold_the_same_grains_and_heights_are_filled_up_where_the_mas
     };
     let density = ICE_DENSITY * union_solid_fraction(&field, &slab, 100_000, 0).mean;
     assert!((density / 250.0 - 1.0).abs() < 0.1, "{density}");
+}
+
+/// Two squares of heights over the plan from 0 to 2 and 0 to 1, level at .5 and rising to 1.
+fn slope() -> TriangleMesh {
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+    let positions = vec![
+        at(0.0, 0.5, 0.0),
+        at(1.0, 0.5, 0.0),
+        at(2.0, 1.0, 0.0),
+        at(0.0, 0.5, 1.0),
+        at(1.0, 0.5, 1.0),
+        at(2.0, 1.0, 1.0),
+    ];
+    TriangleMesh::new(positions, vec![[0, 3, 1], [1, 3, 4], [1, 4, 2], [2, 4, 5]]).unwrap()
+}
+
+#[test]
+fn an_open_mesh_is_draped_down_to_its_base() {
+    let solid = Solid::under(&slope(), -0.5).unwrap();
+    // 1 and 1.25 cubic metres.
+    assert!((solid.volume() - 2.25).abs() < 1e-12, "{}", solid.volume());
+    for (point, within) in [
+        ([0.5, 0.49, 0.5], true),
+        ([0.5, 0.51, 0.5], false),
+        ([1.5, 0.74, 0.25], true),
+        ([1.5, 0.76, 0.25], false),
+        ([1.0, -0.49, 0.999], true),
+        ([1.0, -0.51, 0.5], false),
+        ([2.01, 0.0, 0.5], false),
+    ] {
+        assert_eq!(solid.holds(DVec3::from_array(point)).unwrap(), within, "{point:?}");
+    }
+    let mut upside_down = slope();
+    upside_down.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+    assert!((Solid::under(&upside_down, -0.5).unwrap().volume() - 2.25).abs() < 1e-12);
+    // Where it touches its base there is no wall.
+    assert!((Solid::under(&slope(), 0.5).unwrap().volume() - 0.25).abs() < 1e-12);
+}
+
+#[test]
+fn meshes_that_are_no_heights_are_not_draped() {
+    let message =
+        |mesh: &TriangleMesh, base: f64| Solid::under(mesh, base).unwrap_err().to_string();
+    assert!(
+        message(&slope(), 0.6).contains("below the base of 0.6 m"),
+        "{}",
+        message(&slope(), 0.6)
+    );
+    let closed = block(DVec3::ZERO, DVec3::ONE);
+    let said = message(&closed, -1.0);
+    assert!(said.contains("hangs over") || said.contains("is closed"), "{said}");
+    let mut folded = slope();
+    folded.positions[2] = DVec3::new(0.5, 1.0, 0.0);
+    folded.positions[5] = DVec3::new(0.5, 1.0, 1.0);
+    assert!(message(&folded, 0.0).contains("hangs over"), "{}", message(&folded, 0.0));
+}
+
+#[test]
+fn a_density_map_leaves_its_part_of_the_grains_and_none_where_it_is_black() {
+    let cube = Body::Box(Aabb::new(DVec3::ZERO, DVec3::splat(0.04)));
+    let area = [0.0, 0.0, 0.04, 0.04];
+    let map = |values: Vec<f32>| PlanImage::new([values.len(), 1], values, area).unwrap();
+    let whole = filled(&settings(cube.clone()));
+    let thinned = |values: Vec<f32>| {
+        let density_map = Some(Arc::new(map(values).check_parts().unwrap()));
+        filled(&FillSettings { density_map, ..settings(cube.clone()) })
+    };
+    assert_eq!(thinned(vec![1.0]), whole);
+    // Four standard deviations of a binomial number: once in 16 000 seeds.
+    for part in [0.25f32, 0.7] {
+        let (kept, all) = (thinned(vec![part]).len() as f64, whole.len() as f64);
+        let expected = f64::from(part) * all;
+        let sigma = (expected * (1.0 - f64::from(part))).sqrt();
+        assert!((kept - expected).abs() < 4.0 * sigma, "{part}: {kept} of {all}");
+    }
+    let half = thinned(vec![0.0, 0.0, 1.0, 1.0]);
+    assert!(half.iter().all(|grain| grain.center.x > 0.0149), "snow where the map is black");
+    let message = map(vec![0.5, 1.5]).check_parts().unwrap_err().to_string();
+    assert!(message.contains("column 1, row 0") && message.contains("is 1.5"), "{message}");
 }

@@ -1,12 +1,16 @@
 //! Ways of light through a sphere from one given direction into another.
 //!
 //! [`ScatterTable`] knows them for light whose place on the disc of the sphere is not known (a path
-//! among grains, after the first few); [`Connector`] for light from one given point or direction.
+//! among grains, after the first few); [`Connector`] for light from one given point or direction, and
+//! [`SpherePair`] where it goes through another sphere, too.
 
 mod connect;
+mod dual;
+mod pair;
 mod samples;
 
 pub use connect::{Connection, Connector};
+pub use pair::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
 pub use samples::Scattered;
 
 use crate::sphere::Impact;

@@ -11,6 +11,7 @@ pub use aperture::Aperture;
 
 use crate::description::{CameraDescription, FilmDescription, Focus, Projection};
 use snowgrain_math::{Aabb, DVec3, Ray, trig};
+use snowgrain_optics::Pencil;
 
 /// A camera that looks along `forward`; image y runs down.
 #[derive(Clone, Debug)]
@@ -159,6 +160,24 @@ impl Camera {
         }
     }
 
+    /// The rays of [`Self::ray`] from this place of the lens, told apart by their place in the image (pixels).
+    #[must_use]
+    pub fn pencil(&self, lens: [f64; 2]) -> Pencil {
+        let still = [DVec3::ZERO; 2];
+        let by = [self.right * (2.0 / self.width), self.down * (2.0 / self.height)];
+        let corner = -self.right - self.down;
+        let (origin, direction, origin_by, direction_by) = match &self.rays {
+            Rays::Pinhole => (self.origin, self.forward + corner, still, by),
+            Rays::Lens { focus, .. } => {
+                let offset = self.lens_offset(lens);
+                let direction = (self.forward + corner) * *focus - offset;
+                (self.origin + offset, direction, still, by.map(|by| by * *focus))
+            }
+            Rays::Parallel => (self.origin + corner, self.forward, by, still),
+        };
+        Pencil { origin, direction, origin_by, direction_by }
+    }
+
     /// The image place in pixels whose ray from this place of the lens meets `point`, which may lie
     /// outside the picture; `None` for a point that is not in front of the camera.
     #[must_use]
@@ -180,6 +199,12 @@ impl Camera {
             (along(self.right) + 1.0) * 0.5 * self.width,
             (along(self.down) + 1.0) * 0.5 * self.height,
         ))
+    }
+
+    /// Whether a place in the image, pixels, lies in the picture.
+    #[must_use]
+    pub fn shows(&self, x: f64, y: f64) -> bool {
+        (0.0..self.width).contains(&x) && (0.0..self.height).contains(&y)
     }
 
     /// How densely the rays of one place of the lens cover the picture: square pixels a steradian

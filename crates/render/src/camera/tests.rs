@@ -173,3 +173,15 @@ fn blur_behind_the_focus_stands_as_the_opening_does() {
         assert_eq!(highest < lowest, upright, "{z}: {highest} {lowest}");
     }
 }
+
+#[test]
+fn the_pencil_of_a_place_of_the_lens_has_the_rays_of_the_camera() {
+    for camera in all() {
+        for ([x, y], lens) in places() {
+            let ray = camera.ray(x, y, lens);
+            let (origin, direction) = camera.pencil(lens).ray([x, y]);
+            assert!((origin - ray.origin).length() < 1e-14, "{camera:?}");
+            assert!((direction - ray.direction).length() < 1e-14, "{camera:?}");
+        }
+    }
+}

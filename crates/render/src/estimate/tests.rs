@@ -30,6 +30,7 @@ fn scene(objects: Vec<ObjectDescription>, snow: Vec<SnowDescription>) -> SceneDe
         shapes: Vec::new(),
         integrator: IntegratorKind::Grains,
         light_finding: LightFinding::Exact,
+        deep: None,
         packing: None,
     }
 }

@@ -1,12 +1,15 @@
-//! Measures of snow as a material: slabs that repeat for ever, and bodies lit from all around.
+//! Measures of snow as a material: slabs that repeat for ever, and bodies lit from all around; and the glints of a
+//! scene.
 //!
 //! Every measure traces the exact walk of [`crate::transport`] and reports plain means with their
 //! standard errors, so that it can be compared with the identities and tables of snow optics.
 
 mod body;
+mod glints;
 mod slab;
 
 pub use body::{BodyMeasure, measure_body};
+pub use glints::{GlintCount, GlintKind, GlintMeasure, GlintSun, measure_glints};
 pub use slab::{Incidence, SlabMeasure, SlabSettings, measure_slab};
 
 use rayon::prelude::*;

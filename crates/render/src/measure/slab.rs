@@ -210,7 +210,7 @@ impl PathSource for SlabSource<'_> {
                 let face = if up { settings.top } else { settings.bottom };
                 beyond = (ray.origin.y - face) / ray.direction.y;
             }
-            PathEnd::Emitted { .. } | PathEnd::Absorbed | PathEnd::Enclosed => {}
+            PathEnd::Emitted { .. } | PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => {}
         }
         sums.trapped += u64::from(path.releases > 0);
         sums.reflected.add(reflected);

@@ -29,11 +29,11 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// The radiance that a path brings to a pixel. Where ice paths or layers of light are kept it is added
+    /// The radiance that a path brings to a pixel; it is of a band of wavelengths where light is parted. Where ice paths or layers of light are kept it is added
     /// to them.
     pub(super) fn add_light(
         &mut self,
-        scene: &Scene,
+        (scene, band): (&Scene, usize),
         pixel: (u32, u32),
         path: &PathResult,
         found: &[Contribution],
@@ -41,8 +41,9 @@ impl Batch {
         let layers = scene.light_layers.as_ref();
         let first_layer = self.layers.len();
         self.layers.resize(first_layer + layers.map_or(0, LightLayerNames::count), [0.0; 3]);
-        if scene.search.is_some() && path.first_hit.is_some() {
-            return self.add_found(scene, pixel, first_layer, found);
+        let found_on_the_way = scene.search.is_some() || scene.outcomes.is_some();
+        if found_on_the_way && path.first_hit.is_some() {
+            return self.add_found((scene, band), pixel, first_layer, found);
         }
         self.lights.clear();
         self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
@@ -59,7 +60,7 @@ impl Batch {
                 scene.lights.add_emission(light, &mut self.lights);
                 path.ice_length
             }
-            (PathEnd::Absorbed | PathEnd::Enclosed, _) => return [0.0; 3],
+            (PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep, _) => return [0.0; 3],
         };
         let mut radiance = [0.0; 3];
         for (slot, light) in self.lights.iter().enumerate() {
@@ -67,7 +68,7 @@ impl Batch {
                 continue;
             }
             let weight = std::array::from_fn(|c| light[c] * path.throughput[c]);
-            let seen = colour_of(scene, slot, weight, length, &path.ice_in_strata);
+            let seen = colour_of((scene, band), slot, weight, length, &path.ice_in_strata);
             add(&mut radiance, seen);
             if let Some(layers) = layers {
                 add(&mut self.layers[first_layer + layers.layer_of_slot()[slot] as usize], seen);
@@ -85,7 +86,7 @@ impl Batch {
     /// The radiance of all light that was found along a path.
     fn add_found(
         &mut self,
-        scene: &Scene,
+        (scene, band): (&Scene, usize),
         pixel: (u32, u32),
         first_layer: usize,
         found: &[Contribution],
@@ -93,8 +94,8 @@ impl Batch {
         // In double precision, so that the layers add up to the whole in single.
         self.sums.clear();
         self.sums.resize((self.layers.len() - first_layer).max(1), [0.0; 3]);
-        for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata } in found {
-            let seen = colour_of(scene, slot, weight, ice_length, ice_in_strata);
+        for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata, .. } in found {
+            let seen = colour_of((scene, band), slot, weight, ice_length, ice_in_strata);
             let layer = scene.light_layers.as_ref().map_or(0, |layers| {
                 let own = layers.layer_of_slot()[slot] as usize;
                 scene.glint_layer.filter(|_| glint).unwrap_or(own)
@@ -139,19 +140,20 @@ impl Batch {
     }
 }
 
-/// The colour of light of a slot after its length in ice.
+/// The colour of light of a slot, of a band of wavelengths where light is parted, after its length in ice.
 fn colour_of(
-    scene: &Scene,
+    (scene, band): (&Scene, usize),
     slot: usize,
     weight: [f32; 3],
     length: f64,
     in_strata: &[f64; STRATA],
 ) -> [f32; 3] {
-    match scene.strata_colours.get(slot) {
+    let (colours, strata_colours) = scene.colours_of(band);
+    match strata_colours.get(slot) {
         Some(strata) if in_strata.iter().any(|&length| length > 0.0) => {
             strata.apply(weight, length, in_strata)
         }
-        _ => scene.colours[slot].apply(weight, length),
+        _ => colours[slot].apply(weight, length),
     }
 }
 

@@ -3,9 +3,7 @@
 use super::batch::Batch;
 use super::camera_path::CameraPath;
 use crate::transport::seek::Seeker;
-use crate::transport::{
-    Contribution, NewPath, PathEnd, PathResult, PathSource, trace, trace_seeking,
-};
+use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource, trace_with};
 use crate::{RenderError, Scene};
 use snowgrain_accel::SimdLevel;
 
@@ -19,24 +17,21 @@ pub(super) struct Caught {
     pub(super) unoccluded: [f32; 3],
 }
 
-/// Finds what the catchers would show alone, by paths of the same random numbers as those that met them.
+/// Finds what the catchers would show alone to a band of wavelengths, by paths of the same random numbers as those that met them.
 ///
 /// # Errors
 /// Light that is enclosed.
 pub(super) fn find_unoccluded(
     scene: &Scene,
-    level: SimdLevel,
+    (band, level): (usize, SimdLevel),
     caught: &mut [Caught],
 ) -> Result<(), RenderError> {
     let Some(alone) = scene.catchers_alone.as_deref() else { return Ok(()) };
-    let mut paths = Paths { alone, caught, next: 0, scratch: Batch::default(), enclosed: None };
-    match &alone.search {
-        None => trace(&alone.world, level, &mut paths),
-        Some(search) => {
-            let seeker = Seeker::new(&alone.world, &alone.camera, search, level);
-            trace_seeking(&alone.world, level, seeker, &mut paths);
-        }
-    }
+    let mut paths =
+        Paths { alone, band, caught, next: 0, scratch: Batch::default(), enclosed: None };
+    let (eta, search) = alone.optics_of(band);
+    let seeker = search.map(|search| Seeker::new(&alone.world, &alone.camera, search, level));
+    trace_with((&alone.world, eta), level, (seeker, None), &mut paths);
     match paths.enclosed {
         Some((x, y)) => Err(RenderError::Enclosed { x, y }),
         None => Ok(()),
@@ -45,6 +40,7 @@ pub(super) fn find_unoccluded(
 
 struct Paths<'a> {
     alone: &'a Scene,
+    band: usize,
     caught: &'a mut [Caught],
     next: usize,
     scratch: Batch,
@@ -71,6 +67,7 @@ impl PathSource for Paths<'_> {
         if path.end == PathEnd::Enclosed {
             self.enclosed.get_or_insert(caught.pixel);
         }
-        caught.unoccluded = self.scratch.add_light(self.alone, caught.pixel, path, found);
+        caught.unoccluded =
+            self.scratch.add_light((self.alone, self.band), caught.pixel, path, found);
     }
 }

@@ -17,8 +17,9 @@ mod stream;
 mod tile_sums;
 
 use crate::statistics::Statistics;
+use crate::transport::deep::Deep;
 use crate::transport::seek::Seeker;
-use crate::transport::{trace, trace_seeking};
+use crate::transport::trace_with;
 use crate::{RenderError, Scene};
 pub use noise::{PILOT_SAMPLES, Pilot, block_counts};
 use passes::Passes;
@@ -204,7 +205,7 @@ impl<'a> Rendering<'a> {
         Self {
             scene,
             settings,
-            passes: Passes::new(settings.samples.clone(), ends, pixels),
+            passes: Passes::new(settings.samples.clone(), ends, (pixels, scene.bands.len().max(1))),
             tiles,
             counts,
             holds_settling: AtomicBool::new(false),
@@ -220,13 +221,16 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            let Scene { world, camera, search, .. } = self.scene;
+            let Scene { world, camera, outcomes, .. } = self.scene;
             let level = self.settings.level;
-            match search {
-                None => trace(world, level, &mut stream),
-                Some(search) => {
-                    let seeker = Seeker::new(world, camera, search, level);
-                    trace_seeking(world, level, seeker, &mut stream);
+            loop {
+                let (eta, search) = self.scene.optics_of(stream.band());
+                let seeker = search.map(|search| Seeker::new(world, camera, search, level));
+                // Learnt by light of the middle index: deep in the snow it makes no difference.
+                let deep = outcomes.as_ref().map(Deep::HandOver);
+                trace_with((world, eta), level, (seeker, deep), &mut stream);
+                if !stream.turn_to_next_band() {
+                    break;
                 }
             }
             stream.flush();

@@ -26,7 +26,9 @@ pub(super) struct Pass {
     tiles: u64,
     /// Samples of each pixel in one task.
     task_samples: u64,
+    /// Of each band of wavelengths; those of a band follow one another.
     tasks: u64,
+    bands: u64,
     unfinished: AtomicU64,
 }
 
@@ -54,6 +56,8 @@ pub(super) struct Task {
     pub(super) pass: Arc<Pass>,
     pub(super) tile: usize,
     pub(super) part: Part,
+    /// Band of wavelengths, 0 where light is not parted.
+    pub(super) band: usize,
 }
 
 /// A tile, and the sample after the last that it wants.
@@ -69,6 +73,8 @@ pub(super) struct Passes {
     /// Those that want most come first.
     tiles: Vec<Wanting>,
     tile_pixels: u64,
+    /// Bands of wavelengths that light is parted into, at least 1.
+    bands: u64,
     /// The next task: number of the pass in the upper half, of the task in the lower one, which runs
     /// past the number of tasks until another pass is opened. The one word that all threads write,
     /// once a task.
@@ -99,11 +105,11 @@ struct State {
 
 impl Passes {
     /// Passes over `samples` of tiles of at most `tile_pixels` pixels, each of which wants those below
-    /// its own `end`.
+    /// its own `end`; each task is of one of so many bands of wavelengths.
     pub(super) fn new(
         samples: Range<u64>,
         ends: impl Iterator<Item = u64>,
-        tile_pixels: u64,
+        (tile_pixels, bands): (u64, usize),
     ) -> Self {
         let mut tiles: Vec<_> = ends
             .enumerate()
@@ -125,6 +131,7 @@ impl Passes {
             samples,
             tiles,
             tile_pixels,
+            bands: bands as u64,
             next: Counter::default(),
             state: Mutex::new(state),
             complete: Counter::default(),
@@ -143,7 +150,7 @@ impl Passes {
                 *pass = state.open.iter().find(|pass| pass.index == index).cloned();
             }
             // A pass that is gone has no task left, whatever the ticket says.
-            if let Some(pass) = pass.as_ref().filter(|pass| number < pass.tasks) {
+            if let Some(pass) = pass.as_ref().filter(|pass| number < pass.tasks * pass.bands) {
                 return Some(self.task(pass, number));
             }
             let mut state = self.lock();
@@ -154,6 +161,7 @@ impl Passes {
     }
 
     fn task(&self, pass: &Arc<Pass>, number: u64) -> Task {
+        let (band, number) = (number / pass.tasks, number % pass.tasks);
         let (part, place) = (number / pass.tiles, number % pass.tiles);
         let Wanting { tile, end } = self.tiles[place as usize];
         let wanted = |samples: Range<u64>| samples.start..samples.end.min(end).max(samples.start);
@@ -165,13 +173,14 @@ impl Passes {
                 Part::Whole(wanted(start..pass.samples.end.min(start + pass.task_samples)))
             }
         };
-        Task { pass: Arc::clone(pass), tile, part }
+        Task { pass: Arc::clone(pass), tile, part, band: band as usize }
     }
 
     /// Opens another pass, if there are samples left.
     fn open(&self, state: &mut State) -> bool {
         if let Some(took) = state.last_opened.map(|last| last.elapsed()) {
-            if took * 2 < PASS {
+            // While a path of an earlier pass is still under way each tile keeps sums for every pass since: few, large ones.
+            if took * 2 < PASS || state.open.len() > 1 {
                 state.pass_samples = state.pass_samples.saturating_mul(2);
             } else if took > PASS * 2 {
                 state.pass_samples = (state.pass_samples / 2).max(1);
@@ -184,8 +193,9 @@ impl Passes {
             return false;
         }
         let count = end - start;
-        let fewest = (u128::from(count) * u128::from(tiles)).div_ceil(u128::from(MOST_TASKS));
-        let task_samples = (TASK_SAMPLES / self.tile_pixels.max(1))
+        let fewest = (u128::from(count) * u128::from(tiles) * u128::from(self.bands))
+            .div_ceil(u128::from(MOST_TASKS));
+        let task_samples = (TASK_SAMPLES * self.bands / self.tile_pixels.max(1))
             .max(1)
             .max(u64::try_from(fewest).unwrap_or(count));
         let parts = if state.opened == 0 { 2 } else { count.div_ceil(task_samples) };
@@ -196,7 +206,8 @@ impl Passes {
             tiles,
             task_samples,
             tasks,
-            unfinished: AtomicU64::new(tasks),
+            bands: self.bands,
+            unfinished: AtomicU64::new(tasks * self.bands),
         }));
         state.last_opened = Some(Instant::now());
         self.next.0.store(state.opened << 32, Ordering::Relaxed);

@@ -10,10 +10,12 @@ use super::caught::{Caught, find_unoccluded};
 use super::passes::{Part, Pass, Task};
 use super::tile_sums::COARSE;
 use super::{RenderControl, Rendering, TILE};
+use crate::dispersion::residue_of;
 use crate::transport::seek::View;
 use crate::transport::{Contribution, NewPath, PathEnd, PathResult, PathSource};
 use crate::{RenderError, Scene};
 use snowgrain_film::{PixelRect, Sample};
+use snowgrain_optics::BANDS;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -34,6 +36,10 @@ pub(super) struct Stream<'a, 'film> {
     open: Vec<OpenTask>,
     free: Vec<u32>,
     dealing: Option<Dealing>,
+    /// Band of wavelengths of all paths that are under way, 0 where light is not parted.
+    band: usize,
+    /// The next task, of another band.
+    held: Option<Task>,
     /// Paths that are prepared, the next one last.
     ready: Vec<NewPath<Tag>>,
     dry: bool,
@@ -61,9 +67,12 @@ struct Dealing {
     rect: PixelRect,
     part: Part,
     samples: Range<u64>,
+    /// From one sample of a pixel to the next of the same band.
+    step: u64,
     /// Number of the pixel in Morton order, and the pixel.
     morton: u32,
     pixel: (u32, u32),
+    /// The next sample.
     sample: u64,
 }
 
@@ -106,7 +115,7 @@ impl PathSource for Stream<'_, '_> {
         let scene = self.rendering.scene;
         let task = &mut self.open[slot as usize];
         task.batch.statistics.count(path);
-        let radiance = task.batch.add_light(scene, (x, y), path, found);
+        let radiance = task.batch.add_light((scene, self.band), (x, y), path, found);
         task.batch.samples.push(((x, y), sample_of(scene, path, radiance)));
         if path.first_hit.is_some_and(|hit| hit.is_shadow_catcher) {
             let (pixel, lit, unoccluded) = ((x, y), radiance, [0.0; 3]);
@@ -129,10 +138,23 @@ impl<'a, 'film> Stream<'a, 'film> {
             open: Vec::new(),
             free: Vec::new(),
             dealing: None,
+            band: 0,
+            held: None,
             ready: Vec::with_capacity(PREPARED as usize),
             dry: false,
             may_start_in_ice: rendering.scene.may_start_in_ice(),
         }
+    }
+
+    /// Band of wavelengths of its paths.
+    pub(super) fn band(&self) -> usize {
+        self.band
+    }
+
+    /// Once no path is under way: goes on to the band of the next task; `false` where there is none.
+    pub(super) fn turn_to_next_band(&mut self) -> bool {
+        let next = self.held.as_ref().filter(|_| !self.dry);
+        next.map(|task| self.band = task.band).is_some()
     }
 
     /// Adds what waits; the samples of tasks that were stopped half-way are left where they are.
@@ -145,7 +167,7 @@ impl<'a, 'film> Stream<'a, 'film> {
     /// Prepares some paths at once, which takes half the time of one by one: what each waits for, others
     /// fill. `false` where there are no more.
     fn prepare(&mut self) -> bool {
-        while self.dealing.as_ref().is_none_or(|dealing| dealing.sample == dealing.samples.end) {
+        while self.dealing.as_ref().is_none_or(|dealing| dealing.sample >= dealing.samples.end) {
             if !self.go_on() {
                 return false;
             }
@@ -153,12 +175,14 @@ impl<'a, 'film> Stream<'a, 'film> {
         let Some(dealing) = &mut self.dealing else { return false };
         let scene = self.rendering.scene;
         let (slot, (x, y)) = (dealing.slot, dealing.pixel);
-        let first = dealing.sample;
-        dealing.sample = dealing.samples.end.min(first + PREPARED);
-        self.open[slot as usize].under_way += (dealing.sample - first) as u32;
+        let (first, step) = (dealing.sample, dealing.step);
+        let count = (dealing.samples.end - first).div_ceil(step).min(PREPARED);
+        dealing.sample = first.saturating_add(count * step);
+        self.open[slot as usize].under_way += count as u32;
         let (rendering, may_start_in_ice) = (self.rendering, self.may_start_in_ice);
         // Backwards, as they are taken from the end.
-        self.ready.extend((first..dealing.sample).rev().map(|sample| {
+        self.ready.extend((0..count).rev().map(|number| {
+            let sample = first + number * step;
             let path = CameraPath::of(scene, (x, y), sample);
             let CameraPath { ray, key, event, image, lens } = path;
             // Such a path would be taken for one in air.
@@ -177,7 +201,9 @@ impl<'a, 'film> Stream<'a, 'film> {
             return false;
         }
         let Some(dealing) = &mut self.dealing else { return !self.dry && self.take_task() };
-        if !dealing.next_pixel() {
+        if dealing.next_pixel() {
+            dealing.sample = first_sample(self.rendering.scene, self.band, dealing);
+        } else {
             let slot = dealing.slot;
             self.dealing = None;
             self.open[slot as usize].dealt = true;
@@ -198,10 +224,16 @@ impl<'a, 'film> Stream<'a, 'film> {
     }
 
     fn take_task(&mut self) -> bool {
-        let Some(Task { pass, tile, part }) = self.rendering.passes.take(&mut self.pass) else {
+        let next = self.held.take().or_else(|| self.rendering.passes.take(&mut self.pass));
+        let Some(task) = next else {
             self.dry = true;
             return false;
         };
+        if task.band != self.band {
+            self.held = Some(task);
+            return false;
+        }
+        let Task { pass, tile, part, band } = task;
         let rect = self.rendering.tiles[tile].rect;
         let open =
             OpenTask { pass, tile, under_way: 0, dealt: false, paths: 0, batch: Batch::default() };
@@ -213,9 +245,11 @@ impl<'a, 'film> Stream<'a, 'film> {
             part,
             sample: samples.start,
             samples,
+            step: if self.rendering.scene.bands.is_empty() { 1 } else { BANDS as u64 },
             morton: 0,
             pixel: (rect.x0, rect.y0),
         };
+        dealing.sample = first_sample(self.rendering.scene, band, &dealing);
         if !dealing.has_pixel() {
             // The corner belongs to the coarse part.
             dealing.sample = dealing.samples.end;
@@ -264,7 +298,7 @@ impl<'a, 'film> Stream<'a, 'film> {
         }
         if !task.batch.caught.is_empty() {
             let (scene, level) = (self.rendering.scene, self.rendering.settings.level);
-            if let Err(fault) = find_unoccluded(scene, level, &mut task.batch.caught) {
+            if let Err(fault) = find_unoccluded(scene, (self.band, level), &mut task.batch.caught) {
                 self.rendering.fail(fault);
             }
         }
@@ -278,6 +312,18 @@ impl<'a, 'film> Stream<'a, 'film> {
         task.paths += task.batch.samples.len() as u64;
         task.batch.clear();
     }
+}
+
+/// The first sample of the pixel at hand that belongs to a band.
+fn first_sample(scene: &Scene, band: usize, dealing: &Dealing) -> u64 {
+    let start = dealing.samples.start;
+    if scene.bands.is_empty() {
+        return start;
+    }
+    let (x, y) = dealing.pixel;
+    let stream = u64::from(y) * u64::from(scene.film.width) + u64::from(x);
+    let residue = residue_of(scene.film.seed, stream, band);
+    start.saturating_add((residue + BANDS as u64 - start % BANDS as u64) % BANDS as u64)
 }
 
 /// A path as a sample of this radiance.
@@ -302,7 +348,6 @@ impl Dealing {
             self.pixel =
                 (self.rect.x0 + even_bits(self.morton), self.rect.y0 + even_bits(self.morton >> 1));
             if self.has_pixel() {
-                self.sample = self.samples.start;
                 return true;
             }
         }

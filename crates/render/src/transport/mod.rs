@@ -5,13 +5,16 @@
 //! it, or when unbiased roulette says so. There is no bounce cap. Absorption in ice does not end a path: the path carries
 //! its length in ice, from which any absorption follows afterwards (white Monte Carlo).
 //!
-//! Light is found where a path escapes, or is looked for on the way ([`seek`]).
+//! Light is found where a path escapes, or is looked for on the way ([`seek`]); a path may end deep in the snow
+//! with what others brought from there ([`deep`]).
 
+pub mod deep;
+mod over_picture;
 pub mod seek;
 mod walk;
 
 pub use walk::trace;
-pub(crate) use walk::trace_seeking;
+pub(crate) use walk::trace_with;
 
 use seek::View;
 use snowgrain_accel::STRATA;
@@ -50,6 +53,8 @@ pub enum PathEnd {
     },
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
+    /// It ended deep in the snow, with what other paths brought from there ([`deep`]).
+    Deep,
     /// It bounced [`MAX_BOUNCES_WITHOUT_LOSS`] times off objects that absorb nothing: they enclose it,
     /// and it would go on for ever. A scene where this happens is refused.
     Enclosed,
@@ -101,6 +106,8 @@ pub struct Contribution {
     pub slot: usize,
     /// Whether it is of a small light and came by the first one or two grains that the camera sees.
     pub glint: bool,
+    /// The random event of the path at which it was found, later ones not being less; `u32::MAX` at its end.
+    pub event: u32,
     /// Product of light and albedos, linear sRGB, before the ice.
     pub weight: [f32; 3],
     /// Length in ice, metres.

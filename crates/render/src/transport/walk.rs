@@ -1,15 +1,17 @@
 //! Drives a [`Flight`]: fills its lanes from a source and answers its events.
 
+use super::deep::Deep;
 use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
-    FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
+    Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
     ROULETTE_THRESHOLD,
 };
 use crate::World;
 use crate::description::DirectView;
 use crate::surface::Scatterer;
 use snowgrain_accel::flight::LANES;
-use snowgrain_accel::{Flight, FlightEvent, GrainVisit, SimdLevel, SurfaceHit, SurfaceId};
+use snowgrain_accel::flight::Travelled;
+use snowgrain_accel::{Flight, FlightEvent, GrainVisit, STRATA, SimdLevel, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame};
 
@@ -30,41 +32,44 @@ struct Walker<Tag> {
 
 /// Traces every path of `source` through `world`; light is found where a path escapes.
 pub fn trace<Source: PathSource>(world: &World, level: SimdLevel, source: &mut Source) {
-    walk(world, level, None, source);
+    trace_with((world, world.eta), level, (None, None), source);
 }
 
-/// As [`trace`]; light is looked for on the way. The seeker is given back.
-pub(crate) fn trace_seeking<'a, Source: PathSource>(
-    world: &'a World,
+/// As [`trace`], among grains of the relative index `eta`; light is looked for on the way, and paths may end deep in
+/// the snow, where there is what that needs. Both are given back.
+pub(crate) fn trace_with<'a, Source: PathSource>(
+    (world, eta): (&'a World, f64),
     level: SimdLevel,
-    seeker: Seeker<'a>,
+    (seeker, deep): (Option<Seeker<'a>>, Option<Deep<'a>>),
     source: &mut Source,
-) -> Seeker<'a> {
-    let search =
-        Search { seeker, trails: std::array::from_fn(|_| Trail::default()), visits: Vec::new() };
-    let search = walk(world, level, Some(search), source);
-    search.expect("a search that is begun is given back").seeker
-}
-
-fn walk<'a, Source: PathSource>(
-    world: &'a World,
-    level: SimdLevel,
-    search: Option<Search<'a>>,
-    source: &mut Source,
-) -> Option<Search<'a>> {
-    let mut flight = Flight::new(&world.grid, &world.surfaces, world.eta, level);
-    if search.is_some() {
+) -> (Option<Seeker<'a>>, Option<Deep<'a>>) {
+    let mut flight = Flight::new(&world.grid, &world.surfaces, eta, level);
+    if seeker.is_some() {
         flight.note_visits();
     }
-    let mut walk = Walk { world, flight, walkers: [None; LANES], search, in_use: LANES };
+    if let Some(deep) = &deep {
+        flight.watch_deep(deep.watch());
+    }
+    let trails = || std::array::from_fn(|_| Trail::default());
+    let search = seeker.map(|seeker| Search { seeker, trails: trails() });
+    let mut walk = Walk {
+        world,
+        flight,
+        walkers: [None; LANES],
+        search,
+        deep,
+        visits: Vec::new(),
+        found: Vec::new(),
+        in_use: LANES,
+    };
     for lane in 0..LANES {
         walk.refill(lane, source);
     }
     let mut events = Vec::with_capacity(LANES);
     loop {
         walk.flight.advance(&mut events);
-        if !walk.look_for_light() && events.is_empty() {
-            return walk.search;
+        if !walk.take_arrivals() && events.is_empty() {
+            return (walk.search.map(|search| search.seeker), walk.deep);
         }
         for (lane, event) in events.drain(..) {
             walk.answer(lane, event, source);
@@ -78,6 +83,11 @@ struct Walk<'a, Tag> {
     flight: Flight<'a>,
     walkers: [Option<Walker<Tag>>; LANES],
     search: Option<Search<'a>>,
+    deep: Option<Deep<'a>>,
+    /// Arrivals at grains.
+    visits: Vec<GrainVisit>,
+    /// Light that a path found, where none is looked for on the way.
+    found: Vec<Contribution>,
     /// All paths are in the first lanes.
     in_use: usize,
 }
@@ -87,21 +97,26 @@ struct Search<'a> {
     seeker: Seeker<'a>,
     /// Of each lane.
     trails: [Trail; LANES],
-    visits: Vec<GrainVisit>,
 }
 
 impl<Tag: Copy> Walk<'_, Tag> {
-    /// Looks for light where paths have arrived since the last time; whether any has.
-    fn look_for_light(&mut self) -> bool {
-        let Some(Search { seeker, trails, visits }) = &mut self.search else { return false };
-        self.flight.take_visits(visits);
-        let any = !visits.is_empty();
-        let walkers = &self.walkers;
-        seeker.at_grains(visits, trails, |lane| {
+    /// Looks for light where paths have arrived since the last time, and notes what is learnt from; whether
+    /// any has arrived.
+    fn take_arrivals(&mut self) -> bool {
+        self.flight.take_visits(&mut self.visits);
+        let (walkers, visits) = (&self.walkers, &self.visits);
+        let state = |lane: usize| {
             let walker = walkers[lane].as_ref().expect("a lane that arrives has a walker");
             PathState { key: walker.key, throughput: walker.throughput }
-        });
-        visits.clear();
+        };
+        if let Some(Deep::Learn(learner)) = &mut self.deep {
+            visits.iter().for_each(|visit| learner.note(visit, &state(visit.lane)));
+        }
+        if let Some(Search { seeker, trails }) = &mut self.search {
+            seeker.at_grains(visits, trails, state);
+        }
+        let any = !visits.is_empty();
+        self.visits.clear();
         any
     }
 
@@ -110,6 +125,9 @@ impl<Tag: Copy> Walk<'_, Tag> {
         while let Some(NewPath { tag, ray, key, event }) = source.next_path() {
             if let Some(search) = &mut self.search {
                 search.trails[lane].begin(source.view(tag), ray.direction);
+            }
+            if let Some(Deep::Learn(learner)) = &mut self.deep {
+                learner.begin(lane);
             }
             self.walkers[lane] = Some(Walker {
                 tag,
@@ -145,6 +163,9 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 if let Some(search) = &mut self.search {
                     search.trails.swap(lane, last);
                 }
+                if let Some(Deep::Learn(learner)) = &mut self.deep {
+                    learner.relocate(last, lane);
+                }
                 self.flight.relocate(last, lane);
             }
         }
@@ -165,6 +186,10 @@ impl<Tag: Copy> Walk<'_, Tag> {
             FlightEvent::Left => {
                 let ray = self.flight.ray(lane);
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
+            }
+            FlightEvent::Deep(visit) => {
+                self.finish_deep(&visit, source);
+                return self.refill(lane, source);
             }
             FlightEvent::Surface(hit) => match self.scatter(lane, &hit, self.flight.ray(lane)) {
                 Err(end) => Some(end),
@@ -313,7 +338,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
         position: DVec3,
         (scatterer, event): (Scatterer, u32),
     ) {
-        let Some(Search { seeker, trails, .. }) = &mut self.search else { return };
+        let Some(Search { seeker, trails }) = &mut self.search else { return };
         let walker = self.walkers[lane].as_ref().expect("a lane with an event has a walker");
         let travelled = self.flight.travelled(lane);
         let bounce = Bounce {
@@ -337,8 +362,72 @@ impl<Tag: Copy> Walk<'_, Tag> {
         end: PathEnd,
         source: &mut Source,
     ) {
-        let walker = self.walkers[lane].take().expect("a lane that ends has a walker");
         let travelled = self.flight.travelled(lane);
+        let (walker, result) = self.result(lane, end, travelled, self.flight.ice_in_strata(lane));
+        let met = match end {
+            PathEnd::Escaped(ray) => Some(Met::Infinity(ray.direction)),
+            PathEnd::Emitted { light, position, normal, direction } => {
+                Some(Met::Surface { light, position, normal, direction })
+            }
+            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => None,
+        };
+        let found = match (&mut self.search, &self.deep) {
+            (None, None) => return source.finish(walker.tag, &result),
+            (Some(Search { seeker, trails }), _) => {
+                let trail = &mut trails[lane];
+                if let Some(met) = met {
+                    seeker.at_end(trail, met, &result);
+                }
+                &trail.contributions
+            }
+            (None, Some(deep)) => {
+                self.found.clear();
+                deep.at_end(&result, &mut self.found);
+                &self.found
+            }
+        };
+        if let Some(Deep::Learn(learner)) = &mut self.deep {
+            learner.learn(lane, found);
+        }
+        source.finish_with_light(walker.tag, &result, found);
+    }
+
+    /// Ends a path that arrives deep in the snow with what others brought from there.
+    fn finish_deep<Source: PathSource<Tag = Tag>>(
+        &mut self,
+        visit: &GrainVisit,
+        source: &mut Source,
+    ) {
+        let quantum = self.world.grid.quantum();
+        let travelled = Travelled {
+            ice_length: f64::from(visit.ice_length) * quantum,
+            grain_visits: visit.grain_visits,
+            event: visit.event,
+            ..self.flight.travelled(visit.lane)
+        };
+        let in_strata = visit.ice_in_strata.map(|length| f64::from(length) * quantum);
+        let (walker, result) = self.result(visit.lane, PathEnd::Deep, travelled, in_strata);
+        let Some(Deep::HandOver(field)) = &self.deep else { return };
+        let found = match &mut self.search {
+            Some(search) => &mut search.trails[visit.lane].contributions,
+            None => {
+                self.found.clear();
+                &mut self.found
+            }
+        };
+        field.outcome(visit, walker.throughput, quantum, found);
+        source.finish_with_light(walker.tag, &result, found);
+    }
+
+    /// What became of the path of a lane, which is free then.
+    fn result(
+        &mut self,
+        lane: usize,
+        end: PathEnd,
+        travelled: Travelled,
+        ice_in_strata: [f64; STRATA],
+    ) -> (Walker<Tag>, PathResult) {
+        let walker = self.walkers[lane].take().expect("a lane that ends has a walker");
         let first_hit = walker.first_hit.or_else(|| {
             self.flight.first_grain(lane).map(|grain| FirstHit {
                 position: grain.position,
@@ -353,7 +442,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
             end,
             throughput: walker.throughput,
             ice_length: travelled.ice_length,
-            ice_in_strata: self.flight.ice_in_strata(lane),
+            ice_in_strata,
             air_length: travelled.air_length,
             grain_visits: travelled.grain_visits,
             interface_events,
@@ -361,20 +450,6 @@ impl<Tag: Copy> Walk<'_, Tag> {
             releases: walker.releases,
             first_hit,
         };
-        let Some(Search { seeker, trails, .. }) = &mut self.search else {
-            return source.finish(walker.tag, &result);
-        };
-        let trail = &mut trails[lane];
-        let met = match end {
-            PathEnd::Escaped(ray) => Some(Met::Infinity(ray.direction)),
-            PathEnd::Emitted { light, position, normal, direction } => {
-                Some(Met::Surface { light, position, normal, direction })
-            }
-            PathEnd::Absorbed | PathEnd::Enclosed => None,
-        };
-        if let Some(met) = met {
-            seeker.at_end(trail, met, &result);
-        }
-        source.finish_with_light(walker.tag, &result, &trail.contributions);
+        (walker, result)
     }
 }

@@ -50,6 +50,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         integrator: IntegratorKind::Grains,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
+        deep: None,
         packing: None,
     }
 }

@@ -5,9 +5,11 @@ use super::table::{Cell, Table, number};
 use crate::arguments::PhaseArguments;
 use crate::failure::Failure;
 use core::f64::consts::PI;
+use snowgrain_formats::read_optical_constants;
 use snowgrain_math::trig;
 use snowgrain_optics::sphere::{self, Polarisation};
-use snowgrain_optics::{Dielectric, ice};
+use snowgrain_optics::{Dielectric, Substance};
+use std::sync::Arc;
 
 /// Orders that are told one by one.
 const ORDERS: u32 = 6;
@@ -18,7 +20,7 @@ pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
     if let Some(name) = arguments.shape.shape {
         return shape::run(arguments, name);
     }
-    let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
+    let (eta, name) = index(arguments)?;
     let medium = Dielectric { eta };
     let polarisation = arguments.polarisation.into();
     let asymmetry = match polarisation {
@@ -51,10 +53,22 @@ pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
     };
     table.tell_with(&figures, arguments.format, arguments.output.as_deref())?;
     if let Some(file) = &arguments.plot {
-        let title = "Scattering by a sphere of ice, without diffraction";
-        plot::write(file, &charts(title, &table, [eta, asymmetry]))?;
+        let title = format!("Scattering by a sphere of {name}, without diffraction");
+        plot::write(file, &charts(&title, &table, [eta, asymmetry]))?;
     }
     Ok(0)
+}
+
+/// The index of refraction, and of what.
+fn index(arguments: &PhaseArguments) -> Result<(f64, &'static str), Failure> {
+    if let Some(eta) = arguments.ior {
+        return Ok((eta, "this index"));
+    }
+    let substance = match &arguments.indices {
+        Some(file) => Substance::Measured(Arc::new(read_optical_constants(file)?)),
+        None => arguments.material.clone(),
+    };
+    Ok((substance.refractive_index(arguments.wavelength), substance.name()))
 }
 
 fn charts(title: &str, table: &Table, [eta, asymmetry]: [f64; 2]) -> Charts {

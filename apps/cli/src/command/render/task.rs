@@ -190,6 +190,7 @@ impl Task<'_> {
         }
         let figures = Run {
             report: &self.scene.report,
+            density_ratio: self.scene.grade.absorption.density_ratio(),
             scene_hash: &self.scene.hash,
             times,
             render: spent,

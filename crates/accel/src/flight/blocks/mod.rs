@@ -4,6 +4,7 @@
 //! updated at once (SIMD over the paths): layout before width, no gathers, no branch a path. While
 //! one group of 16 is worked on, the cells and blocks of the other groups arrive from memory.
 
+mod arrivals;
 mod exit;
 mod paths;
 mod probe;
@@ -13,9 +14,10 @@ mod test;
 mod update;
 
 use super::sphere::Ice;
-use super::{FirstGrain, FlightEvent, GrainVisit, LANES, MAX_TURNS_IN_ICE, Travelled};
+use super::{DeepWatch, FirstGrain, FlightEvent, GrainVisit, LANES, MAX_TURNS_IN_ICE, Travelled};
 use crate::grain_grid::GridPosition;
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
+use arrivals::Arrivals;
 use exit::CellShape;
 use fearless_simd::{Level, dispatch};
 use paths::{FirstGrains, GROUPS, Group, get, place_of, set};
@@ -46,8 +48,7 @@ pub(super) struct BlockFlight<'a> {
     /// The piece of surface that a path left.
     left: Box<[Option<Departure>; LANES]>,
     events: Vec<(usize, FlightEvent)>,
-    /// Arrivals at grains that the caller has not seen; `None` where it does not want them.
-    visits: Option<Vec<GrainVisit>>,
+    arrivals: Arrivals<'a>,
     /// Groups that are looked at: all paths in flight are in the first ones.
     groups_in_use: usize,
 }
@@ -63,7 +64,7 @@ impl<'a> BlockFlight<'a> {
             first: Box::default(),
             left: Box::new([None; LANES]),
             events: Vec::with_capacity(LANES),
-            visits: None,
+            arrivals: Arrivals::default(),
             groups_in_use: GROUPS,
         }
     }
@@ -164,14 +165,17 @@ impl<'a> BlockFlight<'a> {
 
     /// Notes arrivals at grains from now on.
     pub(super) fn note_visits(&mut self) {
-        self.visits.get_or_insert_default();
+        self.arrivals.all = true;
+    }
+
+    /// Stops paths that arrive deep in the snow, or notes these arrivals.
+    pub(super) fn watch_deep(&mut self, watch: DeepWatch<'a>) {
+        self.arrivals.deep = Some(watch);
     }
 
     /// Moves the arrivals since the last call to `visits`, in the order of each path.
     pub(super) fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
-        if let Some(noted) = &mut self.visits {
-            visits.append(noted);
-        }
+        visits.append(&mut self.arrivals.noted);
     }
 
     pub(super) fn place(&self, lane: usize) -> GridPosition {

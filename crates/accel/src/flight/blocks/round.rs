@@ -35,11 +35,12 @@ pub(super) fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>) {
                 let strata = !flight.grid.strata().is_empty();
                 let notes = Notes {
                     first: &mut flight.first[index],
-                    visits: flight.visits.as_mut(),
+                    arrivals: &mut flight.arrivals,
                     first_lane: index * GROUP,
                 };
                 update_group(simd, &flight.shape, (flight.ice, strata), group, notes)
             };
+            flight.stop_deep();
             if has_surfaces {
                 flight.forget_departures(index);
             }
@@ -57,8 +58,15 @@ impl BlockFlight<'_> {
     /// Whether there is something for the caller.
     #[inline(always)]
     fn has_news(&self) -> bool {
-        let noted = self.visits.as_ref().map_or(0, Vec::len);
-        !self.events.is_empty() || noted >= VISITS_AT_ONCE
+        !self.events.is_empty() || self.arrivals.noted.len() >= VISITS_AT_ONCE
+    }
+
+    /// Stops the paths that arrived deep in the snow.
+    #[inline(always)]
+    fn stop_deep(&mut self) {
+        while let Some(visit) = self.arrivals.stopped.pop() {
+            self.stop(visit.lane, FlightEvent::Deep(visit));
+        }
     }
 
     /// Asks for what the cells of a group's paths hold.

@@ -1,14 +1,14 @@
 //! What happens to sixteen paths after their block tests: scatter at a grain, go on in ice, or step
 //! to the next cell; all at once and without a branch a path.
 
+use super::arrivals::Arrivals;
 use super::exit::{AxisExit, CellShape, Exit};
 use super::paths::{FirstGrains, GROUP, Group, NOTHING, get, set};
 use crate::flight::MAX_TURNS_IN_ICE;
 use crate::flight::random::NEXT_EVENT;
 use crate::flight::sphere::{Angles, Ice, Transmittance};
 use crate::flight::vector::{F, M, Vector, W};
-use crate::flight::visit::{ArrivalFrom, GrainVisit};
-use crate::grain_grid::{GridPosition, MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
+use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use crate::words::floats;
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, mask32x16, u16x16};
@@ -29,11 +29,11 @@ fn members<S: Simd>(simd: S, set: u32) -> M<S> {
 }
 
 /// What an update keeps of paths beside their state.
-pub(super) struct Notes<'a> {
+pub(super) struct Notes<'a, 'w> {
     /// First grains of the paths of the group.
     pub(super) first: &'a mut FirstGrains,
-    /// Arrivals at grains, where they are wanted, and the lane of the first path of the group.
-    pub(super) visits: Option<&'a mut Vec<GrainVisit>>,
+    /// Arrivals at grains, and the lane of the first path of the group.
+    pub(super) arrivals: &'a mut Arrivals<'w>,
     pub(super) first_lane: usize,
 }
 
@@ -46,7 +46,7 @@ pub(super) fn update_group<S: Simd>(
     shape: &CellShape,
     (ice, strata): (Ice, bool),
     group: &mut Group,
-    Notes { first, visits: noted, first_lane }: Notes<'_>,
+    Notes { first, arrivals, first_lane }: Notes<'_, '_>,
 ) -> u32 {
     let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));
     let eta = F::<S>::splat(simd, ice.eta);
@@ -88,9 +88,8 @@ pub(super) fn update_group<S: Simd>(
     let end = in_ice & !exists;
     let at_grain = end | inside;
     let at_interface = hit | at_grain;
-    if let Some(noted) = noted {
-        let arrivals = [hit, go_on].map(|mask| mask.to_bitmask() as u32);
-        note_arrivals(group, noted, first_lane, arrivals);
+    if arrivals.are_wanted() {
+        arrivals.note(group, first_lane, [hit, go_on].map(|mask| mask.to_bitmask() as u32));
     }
 
     // 3. The outward normal there. Everything that other paths get is 0, so that no garbage spreads.
@@ -343,42 +342,6 @@ fn clamp01<S: Simd>(simd: S, v: F<S>) -> F<S> {
     let (zero, one) = (F::<S>::splat(simd, 0.0), F::<S>::splat(simd, 1.0));
     let v = v.simd_gt(zero).select(v, zero);
     v.simd_lt(one).select(v, one)
-}
-
-/// Notes arrivals at the grains that were found, of the paths in each set, from air and from ice.
-#[inline(never)]
-fn note_arrivals(
-    group: &Group,
-    noted: &mut Vec<GrainVisit>,
-    first_lane: usize,
-    [from_air, from_ice]: [u32; 2],
-) {
-    let mut which = from_air | from_ice;
-    while which != 0 {
-        let at = which.trailing_zeros() as usize & (GROUP - 1);
-        which &= which - 1;
-        let arrives = from_air >> at & 1;
-        let (position, direction) = (get(&group.position, at), get(&group.direction, at));
-        let center = get(&group.found_grain, at).map(f32::from);
-        let along = |axis: usize| (center[axis] - position[axis]) * direction[axis];
-        let bits = group.found_radius[at];
-        noted.push(GrainVisit {
-            lane: first_lane + at,
-            from: if arrives == 1 { ArrivalFrom::Air } else { ArrivalFrom::Ice },
-            center: GridPosition { cell: get(&group.cell, at), local: center },
-            radius: f32::from(bits & RADIUS_MASK),
-            shaped: None,
-            overlaps: bits & OVERLAPS != 0,
-            meets_surface: bits & MEETS_SURFACE != 0,
-            to_middle: along(0) + along(1) + along(2),
-            direction,
-            grain_visits: group.visits[at] + arrives,
-            ice_length: group.ice_length[at],
-            ice_in_strata: group.ice_in_strata.map(|lengths| lengths[at]),
-            stratum: group.found_stratum[at],
-            event: group.event(at),
-        });
-    }
 }
 
 /// Keeps the first grain of the paths `which`.

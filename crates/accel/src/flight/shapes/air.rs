@@ -219,6 +219,11 @@ impl ShapeFlight<'_> {
         let at = inside.leave;
         lane.count_air(at);
         lane.visits += 1;
+        if self.stops_deep(&self.lanes[index]) {
+            let visit = self.visit(index, ArrivalFrom::Air, &inside, at);
+            self.stop(index, FlightEvent::Deep(visit));
+            return;
+        }
         self.note(index, ArrivalFrom::Air, &inside, at);
         let cells = &self.cells;
         let lane = &mut self.lanes[index];

@@ -19,7 +19,7 @@ pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 
 pub(super) use probe::ShapeProbes;
 
-use super::visit::{ArrivalFrom, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
+use super::visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
 use super::{FirstGrain, FlightEvent, LANES, Travelled};
 use crate::grain_grid::{GridPosition, GridShapes, ShapeWord, Storage};
 use crate::prefetch::prefetch;
@@ -50,6 +50,8 @@ pub(super) struct ShapeFlight<'a> {
     events: Vec<(usize, FlightEvent)>,
     /// Arrivals at grains, where they are noted.
     visits: Option<Vec<GrainVisit>>,
+    /// What is done deep in the snow.
+    deep: Option<DeepWatch<'a>>,
     /// All paths in flight are in the first lanes.
     in_use: usize,
 }
@@ -70,6 +72,7 @@ impl<'a> ShapeFlight<'a> {
             lanes: Box::new([Lane::default(); LANES]),
             events: Vec::with_capacity(LANES),
             visits: None,
+            deep: None,
             in_use: LANES,
         }
     }
@@ -152,6 +155,13 @@ impl<'a> ShapeFlight<'a> {
         self.visits = Some(Vec::with_capacity(2 * VISITS_AT_ONCE));
     }
 
+    pub(super) fn watch_deep(&mut self, watch: DeepWatch<'a>) {
+        self.deep = Some(watch);
+        if watch.answer == DeepAnswer::Note {
+            self.note_visits();
+        }
+    }
+
     pub(super) fn take_visits(&mut self, visits: &mut Vec<GrainVisit>) {
         if let Some(noted) = &mut self.visits {
             visits.append(noted);
@@ -161,12 +171,25 @@ impl<'a> ShapeFlight<'a> {
     /// Notes that a path arrives at the grain that it is about to be in, at `at` of its stretch.
     #[inline(never)]
     fn note(&mut self, index: usize, from: ArrivalFrom, inside: &Inside, at: f64) {
-        let Some(noted) = &mut self.visits else { return };
+        if self.visits.is_some() {
+            let visit = self.visit(index, from, inside, at);
+            self.visits.get_or_insert_default().push(visit);
+        }
+    }
+
+    /// Whether a path that has just arrived at a grain from air is deep in the snow and stops there.
+    fn stops_deep(&self, lane: &Lane) -> bool {
+        self.deep.is_some_and(|watch| {
+            watch.answer == DeepAnswer::Stop && watch.is_deep(lane.visits - 1, lane.cell)
+        })
+    }
+
+    fn visit(&self, index: usize, from: ArrivalFrom, inside: &Inside, at: f64) -> GrainVisit {
         let lane = &self.lanes[index];
         let Inside { body, placement, .. } = inside;
         let place = lane.origin + lane.direction * at;
         let local = (body.center - lane.offset).to_array().map(|x| x as f32);
-        noted.push(GrainVisit {
+        GrainVisit {
             lane: index,
             from,
             center: GridPosition { cell: lane.cell, local },
@@ -184,7 +207,7 @@ impl<'a> ShapeFlight<'a> {
             ice_in_strata: lane.ice_in_strata.map(|length| length as f32),
             stratum: inside.stratum,
             event: lane.event,
-        });
+        }
     }
 
     /// Lets all paths travel until at least one needs its caller.

@@ -35,8 +35,8 @@ pub struct ShapeTable {
     /// Columns of a rosette: 2 to 12; default 6; rosette.
     #[serde(default)]
     pub arms: Option<u32>,
-    /// Mesh file (.obj, .ply, .gltf or .glb) of any size, relative to the scene file: closed and convex, with at
-    /// most 256 faces; mesh.
+    /// Mesh file (.obj, .ply, .gltf or .glb) of any size, relative to the scene file: closed, with at most
+    /// 256 faces; one that is not convex is cut into at most 64 cells by the planes of its faces; mesh.
     #[serde(default)]
     pub file: Option<String>,
     /// How grains lie: "random", "horizontal" (the c axis vertical, turned about it at random) or "aligned" (all

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[serde(deny_unknown_fields)]
 pub struct SnowTable {
     /// "deposit" (grains fall on objects and earlier snow), "pack" (a box of packed grains), "fill" (the
-    /// inside of a closed mesh, or what lies under a picture of heights, of packed grains), "lattice" (a
+    /// inside of a closed mesh, or what lies under a surface or a picture of heights, of packed grains), "lattice" (a
     /// block of a crystal lattice) or "file" (grains as they are, from `file`).
     pub source: SnowSource,
     /// Kind of snow: "fresh", "wind-slab", "old", "corn", "melt-freeze-crust", "firn", "depth-hoar", "surface-hoar" or
@@ -57,8 +57,8 @@ pub struct SnowTable {
     /// `grains`).
     #[serde(default)]
     pub depth: Option<Length>,
-    /// Density of the snow in kg/m^3, above 0 and at most 917 (solid ice): mid-depth, overlaps once; about
-    /// 15 to 800 for deposit (by aggregates, sticking, rolling and sintering, unless `rule` says
+    /// Density of the snow in kg/m^3, above 0 and at most 917 (solid ice; of another `material.kind` its own):
+    /// mid-depth, overlaps once; of ice about 15 to 800 for deposit (by aggregates, sticking, rolling and sintering, unless `rule` says
     /// otherwise), 20 to 750 for pack and fill, which need it; default what the rule or lattice gives;
     /// deposit, pack, fill, lattice.
     #[serde(default)]
@@ -79,8 +79,8 @@ pub struct SnowTable {
     pub direction: Option<[f64; 3]>,
     /// Rectangle that grains fall on: [x0, z0, x1, z1], lengths with x0 < x1 and z0 < z1, where
     /// their lines of fall cross y = 0; default the box of the finite objects, seen along the fall,
-    /// plus a margin; deposit. Rectangle over which the pictures of `file` and `mask` lie, the top of a
-    /// picture at z0; fill.
+    /// plus a margin; deposit. Rectangle over which the pictures of `file`, `mask` and `density_map`
+    /// lie, the top of a picture at z0; fill.
     #[serde(default)]
     pub area: Option<[Length; 4]>,
     /// Seed of the snow: a whole number; default the position in the list of snow for deposit, 0 for pack
@@ -99,8 +99,8 @@ pub struct SnowTable {
     /// (this or `density`).
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Grain file (.ply with x, y, z, radius), relative to the scene file; file. Closed mesh (.obj, .ply,
-    /// .gltf, .glb), or picture of heights (.png, .jpg, .exr, .hdr; of grey values as they stand); fill.
+    /// Grain file (.ply with x, y, z, radius), relative to the scene file; file. Mesh (.obj, .ply,
+    /// .gltf, .glb), closed or with a `base`, or picture of heights (.png, .jpg, .exr, .hdr; of grey values as they stand); fill.
     #[serde(default)]
     pub file: Option<String>,
     /// Box that is filled: [x0, y0, z0, x1, y1, z1], lengths; grains whose centres lie in it; pack.
@@ -118,12 +118,17 @@ pub struct SnowTable {
     /// Height of white in a picture of heights: a length above 0; fill.
     #[serde(default)]
     pub height: Option<Length>,
-    /// Height of the level on which the snow of a picture of heights lies: a length; default 0; fill.
+    /// Height of the level on which the snow of a picture of heights lies: a length; default 0. With a mesh that is a
+    /// surface of heights, open at its rim: the level that it is filled down to; fill.
     #[serde(default)]
     pub base: Option<Length>,
     /// Picture that says where snow is at all: over `area`, where it is at least half white; fill.
     #[serde(default)]
     pub mask: Option<String>,
+    /// Picture that says what part of `density` there is: over `area`, white all of it, black none, by taking
+    /// grains away at random; fill.
+    #[serde(default)]
+    pub density_map: Option<String>,
 }
 
 /// Where snow comes from.

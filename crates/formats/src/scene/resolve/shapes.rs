@@ -86,7 +86,7 @@ impl Entry<'_> {
         let file = self.table.file.as_deref();
         let file = file.ok_or_else(|| self.checks.missing(&key, mend))?;
         let mesh = objects::mesh(self.checks, &key, file, files)?;
-        Shape::of_convex_mesh(&mesh).map_err(|error| self.checks.unusable(&key, error.into()))
+        Shape::of_mesh(&mesh).map_err(|error| self.checks.unusable(&key, error.into()))
     }
 
     fn orientation(&self) -> Orientation {

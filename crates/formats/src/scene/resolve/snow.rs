@@ -9,7 +9,7 @@ use super::checks::Checks;
 use super::{Files, ReadGrains, ReadPlanImage, ReadSizes};
 use snowgrain_grains::{Amount, DepositRule, DepositSettings, ICE_DENSITY};
 use snowgrain_grains::{LatticeKind, LatticeSettings};
-use snowgrain_render::description::SnowDescription;
+use snowgrain_render::description::{IceDescription, SnowDescription};
 use std::sync::Arc;
 
 /// Most grains of one body of snow: beyond any memory, and no product of counts overflows.
@@ -68,6 +68,7 @@ fn keys_of(source: SnowSource) -> &'static [&'static str] {
             "base",
             "area",
             "mask",
+            "density_map",
             "radius",
             "shapes",
             "variation",
@@ -104,11 +105,12 @@ pub(super) struct SnowFiles<'a, 'b, 'c> {
 pub(super) fn snow(
     checks: &Checks<'_>,
     has_finite_object: bool,
+    grains: &IceDescription,
     files: &mut SnowFiles<'_, '_, '_>,
 ) -> Result<Vec<SnowDescription>, SceneError> {
     let mut bodies = Vec::new();
     for (index, table) in checks.document().snow.iter().enumerate() {
-        let body = Body { checks, index, table };
+        let body = Body { checks, index, table, grains };
         body.refuse_foreign_keys()?;
         bodies.push(match table.source {
             SnowSource::Deposit => {
@@ -128,6 +130,7 @@ struct Body<'a> {
     checks: &'a Checks<'a>,
     index: usize,
     table: &'a SnowTable,
+    grains: &'a IceDescription,
 }
 
 impl Body<'_> {
@@ -225,13 +228,18 @@ impl Body<'_> {
         }
     }
 
+    /// The density that ice of the same solid fraction has, kg/m^3.
     fn density(&self) -> Result<Option<f64>, SceneError> {
-        match self.table.density {
-            Some(d) if !(d > 0.0 && d <= ICE_DENSITY) => {
-                Err(self.bad("density", "must be above 0 and at most 917 kg/m^3 (solid ice)"))
-            }
-            density => Ok(density),
+        let Some(density) = self.table.density else { return Ok(None) };
+        let substance = self.grains.absorption.substance();
+        let (name, mend) = (substance.name(), "write how dense the substance itself is, in kg/m^3");
+        let solid = substance.density();
+        let solid = solid.ok_or_else(|| self.checks.missing("material.density", mend))?;
+        if !(density > 0.0 && density <= solid) {
+            let mend = format!("must be above 0 and at most {solid} kg/m^3 (solid {name})");
+            return Err(self.bad("density", &mend));
         }
+        Ok(Some(if solid == ICE_DENSITY { density } else { density * (ICE_DENSITY / solid) }))
     }
 
     fn direction(&self) -> Result<[f64; 3], SceneError> {

@@ -197,6 +197,7 @@ fn meshes_are_read_once_relative_to_the_scene() {
         texture: &mut |_| Err("nor a picture".into()),
         sizes: &mut |_| Err("nor a picture".into()),
         plan_image: &mut |_| Err("nor a picture".into()),
+        optical_constants: &mut |_| Err("no indices".into()),
     };
     let scene = resolve(&file, loader).unwrap();
     assert_eq!(asked, [Path::new("folder/model.obj")]);

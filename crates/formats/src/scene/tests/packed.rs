@@ -72,6 +72,11 @@ fn boxes_and_heights_are_filled() {
         let message = refusal(&with(&format!("{heights}{snow}").replace(from, to)), &[]);
         assert!(message.contains(said), "{from}: {message}");
     }
+    let mapped = format!("{heights}density_map = \"drift.png\"\n{snow}");
+    assert!(filled(&read(&with(&mapped), &[]).unwrap()).density_map.is_some());
+    let message =
+        refusal(&with(&mapped.replace("density_map = \"drift", "density_map = \"no")), &[]);
+    assert!(message.contains("snow.0.density_map = \"no.png\": no such file"), "{message}");
     let flat = block.replace("0.05", "0");
     let message = refusal(&with(&format!("{flat}{snow}")), &[]);
     assert!(message.contains("snow.0.box") && message.contains("y0 < y1"), "{message}");

@@ -30,7 +30,7 @@ fn unknown_keys_suggest_the_nearest() {
     assert_eq!(
         in_snow("temperature = -3"),
         "folder/scene.toml:13: snow.0.temperature: unknown key; known here: area, base, box, \
-         counts, density, depth, direction, file, grains, height, impurities, kind, lattice, mask, \
+         counts, density, density_map, depth, direction, file, grains, height, impurities, kind, lattice, mask, \
          max_slope, radius, rotate, rule, scale, seed, shapes, sizes, source, spacing, spread, translate, \
          variation, wetness"
     );

@@ -10,10 +10,11 @@
 
 use super::agreement::Agreement;
 use super::gains::{Class, Tally};
-use super::shadow::{Beginning, Brings};
+use super::shadow::{Beginning, Brings, Condition};
 use super::{LastArrival, LightSearch, PathState, Seeker, search_key};
 use crate::camera::Camera;
-use crate::transport::{NewPath, PathResult, PathSource, trace_seeking};
+use crate::transport::over_picture::PathsOverPicture;
+use crate::transport::trace_with;
 use crate::world::World;
 use core::f64::consts::{PI, TAU};
 use rayon::prelude::*;
@@ -76,33 +77,13 @@ impl LightSearch {
                 let mut seeker = Seeker::new(world, camera, self, level);
                 seeker.tally = Some(Tally::default());
                 let range = task * TASK..((task + 1) * TASK).min(paths);
-                let mut paths = Paths { camera, size, seed, range };
-                trace_seeking(world, level, seeker, &mut paths).tally.unwrap_or_default()
+                let mut paths = PathsOverPicture { camera, size, seed, range };
+                let (seeker, _) =
+                    trace_with((world, self.medium.eta), level, (Some(seeker), None), &mut paths);
+                seeker.and_then(|seeker| seeker.tally).unwrap_or_default()
             })
             .reduce(Tally::default, |sum, part| sum.merged(&part))
     }
-}
-
-/// Paths over a whole picture.
-struct Paths<'a> {
-    camera: &'a Camera,
-    size: [f64; 2],
-    seed: u64,
-    range: std::ops::Range<u64>,
-}
-
-impl PathSource for Paths<'_> {
-    type Tag = ();
-
-    fn next_path(&mut self) -> Option<NewPath<()>> {
-        let key = PathKey::new(self.seed, self.range.next()?, 0);
-        let [x, y, _] = numbers(key, 0).map(f64::from);
-        let [u, v, _] = numbers(key, 1).map(f64::from);
-        let ray = self.camera.ray(x * self.size[0], y * self.size[1], [u, v]);
-        Some(NewPath { tag: (), ray, key, event: 2 })
-    }
-
-    fn finish(&mut self, (): (), _: &PathResult) {}
 }
 
 impl Seeker<'_> {
@@ -132,16 +113,17 @@ impl Seeker<'_> {
         };
         let direction = at(leaves);
         let class = Class::new((visit.from, order), seen_along, [last.direction, direction]);
-        let beginning = last.origin.map(|origin| Beginning {
+        let begins = |origin| Beginning {
             grain: (visit.center, visit.radius),
             direction: last.direction,
             normal: at(entry),
             origin,
             key,
             event: visit.event,
-        });
+        };
+        let condition = last.origin.map_or(Condition::Nothing, |at| Condition::Begins(begins(at)));
         let towards = (direction, f64::INFINITY, None);
-        self.want(visit, (at(exit), visit.radius), towards, Brings::Count(class), beginning);
+        self.want(visit, (at(exit), visit.radius), towards, Brings::Count(class), condition);
     }
 }
 

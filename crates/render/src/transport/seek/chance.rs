@@ -28,6 +28,8 @@ enum Chance<'a> {
     Nothing,
     /// Its light as these lights have it.
     All(&'a Lights),
+    /// What the search for images of suns in the second grain leaves, which was passed by so many chords.
+    BesidePairs(u32),
     /// The part that the balance heuristic leaves beside the search among these lights from this point,
     /// where chance has this density (1/sr).
     Beside(&'a Lights, DVec3, f64),
@@ -75,6 +77,14 @@ impl Seeker<'_> {
         let (lights, part) = match chance {
             Chance::Nothing => return,
             Chance::All(lights) => (lights, 1.0),
+            Chance::BesidePairs(_)
+                if search.lights.radiance_at_infinity(light, direction) == [0.0; 3] =>
+            {
+                return;
+            }
+            Chance::BesidePairs(order) => {
+                (&search.lights, self.left_to_chance(trail, order, light))
+            }
             Chance::Beside(sought, from, density) => {
                 let pdf = match met {
                     Met::Infinity(_) => sought.pdf_at_infinity(light, direction),
@@ -96,6 +106,7 @@ impl Seeker<'_> {
         trail.contributions.push(Contribution {
             slot: lights.slot_of(light),
             glint: sun && trail.vertex == Vertex::Camera && order <= GRAINS_BEFORE_SUNS,
+            event: u32::MAX,
             weight: scaled(product(path.throughput, radiance), part),
             ice_length: path.ice_length,
             ice_in_strata: path.ice_in_strata,
@@ -119,11 +130,12 @@ impl Seeker<'_> {
             (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {
                 let first = order == 1 && trail.vertex == Vertex::Camera;
                 let shaped = trail.turned.is_some_and(|turned| turned.prototype.is_some());
-                match first {
-                    true if is_solved(trail, path) => Chance::Nothing,
+                match solved_by(trail, (path, order)) {
+                    Some(_) if order == 1 => Chance::Nothing,
+                    Some(chords) => Chance::BesidePairs(chords),
                     // Chance finds what a face mirrors as often as it finds the face.
-                    true if shaped => Chance::All(&search.lights),
-                    _ => Chance::All(&search.wide),
+                    None if first && shaped => Chance::All(&search.lights),
+                    None => Chance::All(&search.wide),
                 }
             }
             (_, _, None) => Chance::All(&search.lights),
@@ -136,10 +148,17 @@ impl Seeker<'_> {
     }
 }
 
-/// Whether a path that left the first grain did so by a way that was solved.
-fn is_solved(trail: &Trail, path: &PathResult) -> bool {
+/// By how many chords a path left the first grain, or the second, where that way is solved.
+fn solved_by(trail: &Trail, (path, order): (&PathResult, u32)) -> Option<u32> {
+    if trail.vertex != Vertex::Camera || trail.through_ice {
+        return None;
+    }
     // A reflection outside is one interface, p chords are p + 1; a grain that lets light straight through has two.
-    let straight = 2 * path.grain_visits.saturating_sub(trail.visits_before + 1);
-    let chords = path.interface_events.saturating_sub(1 + straight);
-    !trail.through_ice && trail.solved_orders.is_some_and(|solved| chords <= solved)
+    let straight = 2 * path.grain_visits.saturating_sub(trail.visits_before + order);
+    let (before, most) = match (order, &trail.second_grain) {
+        (1, _) => (0, trail.solved_orders?),
+        (_, second) => second.map(|second| (second.chords_before + 1, second.most))?,
+    };
+    let chords = path.interface_events.saturating_sub(before + straight + 1);
+    (chords <= most).then_some(chords)
 }

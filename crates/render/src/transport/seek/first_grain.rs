@@ -13,11 +13,10 @@
 //! is placed at random and goes on at the other edge of the pixel.
 
 use super::grains::turned;
-use super::shadow::Brings;
-use super::{
-    PathState, SOLVED_ORDERS, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, View, product, scaled,
-    search_key,
-};
+use super::second_grain::{FirstGrain, solved_orders};
+use super::shadow::{Brings, Condition};
+use super::window::Window;
+use super::{PathState, Seeker, Trail, View, product, scaled, search_key};
 use crate::camera::Bundle;
 use crate::light::LightRole;
 use crate::transport::Contribution;
@@ -41,38 +40,6 @@ struct Grain {
     radius: f64,
 }
 
-/// A part of a pixel, which goes on at its other edge.
-struct Window {
-    pixel: [f64; 2],
-    /// Low corner within the pixel.
-    corner: [f64; 2],
-    edge: f64,
-}
-
-impl Window {
-    fn around(image: [f64; 2], edge: f64, random: [f64; 2]) -> Self {
-        let pixel = image.map(f64::floor);
-        let corner =
-            [0, 1].map(|axis: usize| fraction(image[axis] - pixel[axis] - edge * random[axis]));
-        Self { pixel, corner, edge }
-    }
-
-    fn contains(&self, image: [f64; 2]) -> bool {
-        image.map(f64::floor) == self.pixel
-            && (0..2).all(|axis| fraction(image[axis] - self.corner[axis]) < self.edge)
-    }
-
-    fn at(&self, random: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|axis: usize| {
-            self.pixel[axis] + fraction(self.corner[axis] + self.edge * random[axis])
-        })
-    }
-}
-
-fn fraction(x: f64) -> f64 {
-    x - x.floor()
-}
-
 impl Seeker<'_> {
     /// Looks for the images of all small lights in the first grain of a path.
     pub(super) fn at_first_grain(
@@ -82,15 +49,15 @@ impl Seeker<'_> {
         state: &PathState,
     ) {
         let Some(view) = trail.view.filter(|_| !visit.meets_surface) else { return };
-        let most = if visit.overlaps { SOLVED_ORDERS_OF_OVERLAPPED } else { SOLVED_ORDERS };
+        let most = solved_orders(visit);
         trail.solved_orders = Some(most);
         let grid = &self.world.grid;
         let grain = Grain {
             center: grid.world(visit.center),
             radius: f64::from(visit.radius) * grid.quantum(),
         };
-        let footprint = self.camera.pixel_footprint(self.camera.depth(grain.center));
-        let edge = (grain.radius / footprint).clamp(LEAST_WINDOW, 1.0);
+        let edge = self.window_edge(grain.center, grain.radius);
+        trail.first_grain = Some(FirstGrain::new(visit));
         let key = search_key(state.key);
         let [x, y, chosen] = numbers(key, 2 * visit.event).map(f64::from);
         if chosen * PATHS_PER_SEARCH >= 1.0 {
@@ -154,14 +121,27 @@ impl Seeker<'_> {
                 let brings = Brings::Light(Contribution {
                     slot: sample.slot,
                     glint: true,
+                    event: visit.event,
                     weight: scaled(product(state.throughput, sample.radiance), weight),
                     ice_length: length,
                     ice_in_strata,
                 });
                 let towards = (sample.direction, sample.distance, None);
-                self.want(visit, (solution.exit, visit.radius), towards, brings, None);
+                self.want(
+                    visit,
+                    (solution.exit, visit.radius),
+                    towards,
+                    brings,
+                    Condition::Nothing,
+                );
             }
         }
+    }
+
+    /// Edge of a window for a grain, pixels: as large as its radius is seen, or a pixel.
+    pub(super) fn window_edge(&self, center: DVec3, radius: f64) -> f64 {
+        let footprint = self.camera.pixel_footprint(self.camera.depth(center));
+        (radius / footprint).clamp(LEAST_WINDOW, 1.0)
     }
 
     /// Where in the image the light of a solution is seen, if that is in the window.

@@ -8,7 +8,7 @@
 //!
 //! [`GrainGrid::chain`]: snowgrain_accel::GrainGrid::chain
 
-use super::shadow::Brings;
+use super::shadow::{Brings, Condition};
 use super::{PathState, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Trail, product, scaled};
 use crate::light::LightRole;
 use crate::transport::Contribution;
@@ -28,7 +28,7 @@ impl Seeker<'_> {
         }
         let radius = f64::from(visit.radius);
         let along = DVec3::from_array(visit.direction.map(f64::from)).normalize();
-        let chain = self.world.grid.chain(shaped, along, radius, self.world.eta);
+        let chain = self.world.grid.chain(shaped, along, radius, self.search.medium.eta);
         let Some(chain) = chain else { return };
         let most = if visit.overlaps { SOLVED_ORDERS_OF_OVERLAPPED } else { chain.chords };
         trail.solved_orders = Some(most);
@@ -57,6 +57,7 @@ impl Seeker<'_> {
         let brings = Brings::Light(Contribution {
             slot: lights.slot_of(light),
             glint: true,
+            event: visit.event,
             weight: scaled(product(state.throughput, radiance), out.weight),
             ice_length: length,
             ice_in_strata,
@@ -64,6 +65,6 @@ impl Seeker<'_> {
         let towards = (direction, f64::INFINITY, None);
         let reach = out.ray.origin.length();
         let from = (out.ray.origin / reach, (reach * f64::from(visit.radius)) as f32);
-        self.want(visit, from, towards, brings, None);
+        self.want(visit, from, towards, brings, Condition::Nothing);
     }
 }

@@ -1,7 +1,7 @@
 //! Light at a grain that a path strikes at a random place.
 
 use super::gains::Class;
-use super::shadow::{Beginning, Brings, Wanted};
+use super::shadow::{Beginning, Brings, Condition, Wanted};
 use super::{LastArrival, PathState, Seeker, product, scaled, search_key};
 use crate::transport::Contribution;
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe};
@@ -48,20 +48,22 @@ impl Seeker<'_> {
         let brings = Brings::Light(Contribution {
             slot: sample.slot,
             glint: false,
+            event: visit.event,
             weight: scaled(product(state.throughput, sample.radiance), weight),
             ice_length,
             ice_in_strata,
         });
         let towards = (sample.direction, sample.distance, sample.surface.map(|id| id.object));
-        let beginning = last.origin.map(|origin| Beginning {
+        let begins = |origin| Beginning {
             grain: (visit.center, visit.radius),
             direction: last.direction,
             normal: normal(way.entry),
             origin,
             key,
             event: visit.event,
-        });
-        self.want(visit, (normal(way.exit), visit.radius), towards, brings, beginning);
+        };
+        let condition = last.origin.map_or(Condition::Nothing, |at| Condition::Begins(begins(at)));
+        self.want(visit, (normal(way.exit), visit.radius), towards, brings, condition);
     }
 
     /// Sends a shadow ray from the grain, from so many quanta off its centre along a unit vector, in a direction
@@ -72,7 +74,7 @@ impl Seeker<'_> {
         (along, reach): (DVec3, f32),
         (direction, distance, lamp): (DVec3, f64, Option<u32>),
         brings: Brings,
-        beginning: Option<Beginning>,
+        condition: Condition,
     ) {
         let grid = &self.world.grid;
         let length = self.quanta(distance);
@@ -80,7 +82,7 @@ impl Seeker<'_> {
             let ray = Ray::new(grid.world(probe.start), direction);
             self.rays.push(probe);
             let lane = visit.lane;
-            self.wanted.push(Wanted { lane, brings, ray, distance, lamp, beginning });
+            self.wanted.push(Wanted { lane, brings, ray, distance, lamp, condition });
         }
     }
 

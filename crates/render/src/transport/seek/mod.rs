@@ -10,9 +10,10 @@
 //! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
 //!   its visibility among the real grains (`first_grain`), or, where it is a crystal, by all that it makes of the
 //!   ray (`first_shape`);
-//! - at the second, and at the first two after a surface, the sun is met by chance, but it is
-//!   [`WIDENED_DEGREES`] wide, which moves an image of it by less than a tenth of a grain's radius and
-//!   leaves its light as it is.
+//! - so is the second, by Newton's steps through both (`second_grain`);
+//! - where that is not known (crystals in one of the two, ways from grain to grain through ice, many reflections
+//!   inside), and at the first two grains after a surface, the sun is met by chance, but it is [`WIDENED_DEGREES`]
+//!   wide, which moves an image of it by less than a tenth of a grain's radius and leaves its light as it is.
 //!
 //! Lights that are met by chance as well share the light with it by the balance heuristic (Veach and
 //! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
@@ -24,8 +25,10 @@ mod first_grain;
 mod first_shape;
 mod gains;
 mod grains;
+mod second_grain;
 mod shadow;
 mod surfaces;
+mod window;
 
 pub use agreement::{Agreement, Orders, Part};
 pub(super) use chance::Met;
@@ -38,6 +41,7 @@ use crate::light::{LightRole, Lights};
 use crate::surface::Scatterer;
 use crate::world::World;
 use gains::{Gains, Tally};
+use second_grain::{FirstGrain, SecondGrain};
 use shadow::{Origin, Wanted};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
 use snowgrain_geometry::Shape;
@@ -45,7 +49,7 @@ use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
 
-/// Angle across suns where they are met by chance after one or two grains, degrees.
+/// Angle across suns where their images after one or two grains are not solved but met by chance, degrees.
 pub const WIDENED_DEGREES: f64 = 30.0;
 
 /// Orders of the first grain that are solved; higher ones (.3 % of its light) are met by chance.
@@ -76,12 +80,13 @@ const STRAIGHT: f64 = 1e-9;
 const SEARCH: u32 = 0x5eed_1194;
 
 /// What the search for light needs to know of a scene: built once.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LightSearch {
     /// All lights.
     lights: Lights,
     roles: Vec<LightRole>,
     is_sought: Vec<bool>,
+    suns: Vec<Sun>,
     /// Those that are looked for at the first grains, and those that are from then on and at surfaces;
     /// the indices are those of all lights.
     early: Lights,
@@ -95,6 +100,14 @@ pub struct LightSearch {
     from_ice: ScatterTable,
     connector: Connector,
     gains: Gains,
+}
+
+/// A light whose images in the first grains are solved.
+#[derive(Clone, Copy, Debug)]
+struct Sun {
+    light: usize,
+    /// Somewhere on it, as seen from the scene.
+    towards: DVec3,
 }
 
 /// Which lights are looked for.
@@ -115,7 +128,13 @@ impl LightSearch {
         let roles: Vec<_> = (0..lights.count()).map(|light| lights.role(light)).collect();
         let is_sought: Vec<_> =
             roles.iter().map(|&role| role != LightRole::Sky || sought == Sought::All).collect();
+        let towards = |light| lights.sample_light(light, DVec3::ZERO, [0.0; 3]);
+        let suns = (0..lights.count())
+            .filter(|&light| roles[light] == LightRole::Sun)
+            .filter_map(|light| Some(Sun { light, towards: towards(light)?.direction }))
+            .collect();
         Self {
+            suns,
             early: lights.select(|light| is_sought[light] && roles[light] != LightRole::Sun),
             late: lights.select(|light| is_sought[light]),
             wide: lights.widened(WIDENED_DEGREES),
@@ -144,6 +163,20 @@ impl LightSearch {
             ScatterTable::of_samples(&scattered(shape, self.medium.eta, paths, level))
         };
         Self { of_shapes: prototypes.iter().map(table).collect(), ..self }
+    }
+
+    /// The same search among grains of another index nearby, for light of one colour: what is in closed form
+    /// follows that index, what was measured stays.
+    #[must_use]
+    pub(crate) fn refracting_by(&self, eta: f64) -> Self {
+        let medium = Dielectric { eta };
+        Self {
+            medium,
+            from_air: ScatterTable::for_air(medium),
+            from_ice: ScatterTable::for_ice(medium),
+            connector: Connector::new(medium, SOLVED_ORDERS),
+            ..self.clone()
+        }
     }
 
     fn table(&self, from: ArrivalFrom, prototype: Option<usize>) -> &ScatterTable {
@@ -196,6 +229,9 @@ pub(super) struct Trail {
     turned: Option<LastArrival>,
     /// Of the first grain from the camera, the orders that were solved.
     solved_orders: Option<u32>,
+    /// The first and the second grain from the camera, where their images of suns are solved.
+    first_grain: Option<FirstGrain>,
+    second_grain: Option<SecondGrain>,
     /// Whether the path went from grain to grain through ice since the vertex.
     through_ice: bool,
     /// The light found so far, in the order of the path.
@@ -240,7 +276,7 @@ impl Trail {
 
 /// What the walk tells of a path when the search looks for light.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PathState {
+pub(crate) struct PathState {
     pub(super) key: PathKey,
     pub(super) throughput: [f32; 3],
 }
@@ -269,7 +305,7 @@ impl<'a> Seeker<'a> {
             world,
             camera,
             search,
-            probes: Probes::new(&world.grid, &world.surfaces, world.eta, level),
+            probes: Probes::new(&world.grid, &world.surfaces, search.medium.eta, level),
             rays: Vec::new(),
             wanted: Vec::new(),
             tally: None,
@@ -317,11 +353,14 @@ impl<'a> Seeker<'a> {
                 continue;
             }
             self.at_random_place(visit, &last, (order, trail.seen_along), &state);
-            if order == 1 && trail.vertex == Vertex::Camera && visit.from == ArrivalFrom::Air {
-                match &visit.shaped {
-                    Some(shaped) => self.at_first_shape((visit, shaped), trail, &state),
-                    None => self.at_first_grain(visit, trail, &state),
-                }
+            if trail.vertex != Vertex::Camera || visit.from != ArrivalFrom::Air {
+                continue;
+            }
+            match (order, &visit.shaped) {
+                (1, Some(shaped)) => self.at_first_shape((visit, shaped), trail, &state),
+                (1, None) => self.at_first_grain(visit, trail, &state),
+                (2, None) => self.at_second_grain(visit, trail, &state),
+                _ => {}
             }
         }
         self.follow_shadow_rays(trails);

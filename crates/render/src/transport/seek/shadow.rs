@@ -10,6 +10,7 @@
 //! than spheres, whose ways begin nowhere in particular, and that of more than five grains.
 
 use super::gains::Class;
+use super::second_grain::PairSolution;
 use super::{Seeker, Trail};
 use crate::transport::Contribution;
 use core::f64::consts::TAU;
@@ -28,8 +29,17 @@ pub(super) struct Wanted {
     pub(super) ray: Ray,
     pub(super) distance: f64,
     pub(super) lamp: Option<u32>,
-    /// What the way through a grain must fulfil where it begins.
-    pub(super) beginning: Option<Beginning>,
+    pub(super) condition: Condition,
+}
+
+/// What the way to where a shadow ray starts must fulfil.
+pub(super) enum Condition {
+    /// Nothing more.
+    Nothing,
+    /// The way through a grain begins where light could have come from.
+    Begins(Beginning),
+    /// The way through two grains is open, and the light is divided by the probability of finding it.
+    Connects(Box<PairSolution>),
 }
 
 /// What a clear shadow ray brings.
@@ -82,10 +92,12 @@ impl Seeker<'_> {
         let passages = self.clear_rays();
         self.rays.clear();
         let wanted = std::mem::take(&mut self.wanted);
-        let mut weights: Vec<u32> = passages.iter().map(|rays| u32::from(rays.is_some())).collect();
+        let mut weights: Vec<f32> =
+            passages.iter().map(|rays| if rays.is_some() { 1.0 } else { 0.0 }).collect();
         self.weigh_beginnings(&wanted, &mut weights);
+        self.weigh_pairs(&wanted, &mut weights);
         for ((wanted, weight), passage) in wanted.into_iter().zip(weights).zip(passages) {
-            let Some(passage) = passage.filter(|_| weight > 0) else { continue };
+            let Some(passage) = passage.filter(|_| weight > 0.0) else { continue };
             match (wanted.brings, &mut self.tally) {
                 (Brings::Light(light), _) => {
                     let light = self.behind(light, weight, &passage);
@@ -100,8 +112,8 @@ impl Seeker<'_> {
     }
 
     /// Light so many times, after what its shadow ray went straight through.
-    fn behind(&self, mut light: Contribution, weight: u32, passage: &Passage) -> Contribution {
-        let factor = weight as f32 * passage.transmittance;
+    fn behind(&self, mut light: Contribution, weight: f32, passage: &Passage) -> Contribution {
+        let factor = weight * passage.transmittance;
         light.weight = light.weight.map(|channel| channel * factor);
         if passage.ice_length > 0.0 {
             let metres = |quanta: f32| f64::from(quanta) * self.world.grid.quantum();
@@ -140,17 +152,20 @@ impl Seeker<'_> {
 
     /// Sets the weights of those whose way begins where light could not have come from to 0, and divides
     /// the others by the part of the disc from which it could.
-    fn weigh_beginnings(&mut self, wanted: &[Wanted], weights: &mut [u32]) {
-        let beginnings = |weights: &[u32]| -> Vec<(usize, Beginning)> {
+    fn weigh_beginnings(&mut self, wanted: &[Wanted], weights: &mut [f32]) {
+        let beginnings = |weights: &[f32]| -> Vec<(usize, Beginning)> {
             let some = wanted.iter().zip(weights).enumerate();
-            some.filter(|(_, (_, weight))| **weight > 0)
-                .filter_map(|(index, (wanted, _))| Some((index, wanted.beginning?)))
+            some.filter(|(_, (_, weight))| **weight > 0.0)
+                .filter_map(|(index, (wanted, _))| match wanted.condition {
+                    Condition::Begins(beginning) => Some((index, beginning)),
+                    Condition::Nothing | Condition::Connects(_) => None,
+                })
                 .collect()
         };
         let mut open = beginnings(weights);
         for (&(index, _), fits) in open.iter().zip(self.fit(&open, |begins| begins.normal)) {
             if !fits {
-                weights[index] = 0;
+                weights[index] = 0.0;
             }
         }
         open = beginnings(weights);
@@ -162,7 +177,7 @@ impl Seeker<'_> {
             open.retain(|&(index, _)| {
                 let fits = fit.next() == Some(true);
                 if fits {
-                    weights[index] = trial;
+                    weights[index] = trial as f32;
                 }
                 !fits
             });

@@ -1,6 +1,6 @@
 //! Light at a surface.
 
-use super::shadow::{Brings, Wanted};
+use super::shadow::{Brings, Condition, Wanted};
 use super::{PathState, Seeker, Trail, Vertex, product, scaled, search_key};
 use crate::surface::Scatterer;
 use crate::transport::Contribution;
@@ -36,6 +36,7 @@ impl Seeker<'_> {
         trail.visits_before = bounce.grain_visits;
         trail.through_ice = false;
         (trail.last, trail.turned) = (None, None);
+        (trail.first_grain, trail.second_grain) = (None, None);
         if bounce.in_ice {
             trail.vertex = Vertex::SurfaceInIce;
             return;
@@ -66,6 +67,7 @@ impl Seeker<'_> {
         let contribution = Contribution {
             slot: sample.slot,
             glint: false,
+            event: bounce.event,
             weight: scaled(
                 product(product(state.throughput, colour), sample.radiance),
                 value / (sample.pdf + rivals),
@@ -82,8 +84,8 @@ impl Seeker<'_> {
         self.rays.push(Probe::through_air(start, sample.direction, length));
         // Surfaces have been looked at.
         let brings = Brings::Light(contribution);
-        let (lane, beginning) = (bounce.lane, None);
-        self.wanted.push(Wanted { lane, brings, ray, distance: 0.0, lamp: None, beginning });
+        let (lane, condition) = (bounce.lane, Condition::Nothing);
+        self.wanted.push(Wanted { lane, brings, ray, distance: 0.0, lamp: None, condition });
         self.follow_shadow_rays(trails);
     }
 }

@@ -10,11 +10,10 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_formats::scene::document::{ShapeName, ShapeTable};
 use snowgrain_geometry::{Shape, ShapeKind};
 use snowgrain_math::trig;
-use snowgrain_optics::ice;
 use snowgrain_render::laboratory::{Scattering, scattering};
 
 pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Failure> {
-    let eta = arguments.ior.unwrap_or_else(|| ice::refractive_index(arguments.wavelength));
+    let (eta, _) = super::index(arguments)?;
     let typed = &arguments.shape;
     let kind = kind(arguments, name)?;
     let shape = Shape::new(kind).map_err(|error| Failure::usage(format!("--{error}")))?;

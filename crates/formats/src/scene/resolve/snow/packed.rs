@@ -23,14 +23,19 @@ impl Body<'_> {
             return Err(self.bad("box", mend));
         }
         let block = Aabb::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
-        Ok(FillSettings { pack: self.packed(files)?, body: Filled::Box(block), mask: None })
+        Ok(FillSettings {
+            pack: self.packed(files)?,
+            body: Filled::Box(block),
+            mask: None,
+            density_map: None,
+        })
     }
 
     pub(super) fn fill(
         &self,
         files: &mut SnowFiles<'_, '_, '_>,
     ) -> Result<FillSettings, SceneError> {
-        let mend = "name a closed mesh or a picture of heights, as file = \"drift.obj\"";
+        let mend = "name a mesh or a picture of heights, as file = \"drift.obj\"";
         let file = self.needed("file", self.table.file.as_deref(), mend)?;
         let extension = Path::new(file).extension().unwrap_or_default().to_ascii_lowercase();
         let is_picture =
@@ -39,9 +44,13 @@ impl Body<'_> {
             self.refuse_keys(&["scale", "rotate", "translate"], "a picture", "a mesh")?;
             Filled::Heights(Arc::new(self.heights(file, files)?))
         } else {
-            self.refuse_keys(&["height", "base"], "a mesh", "a picture of heights")?;
-            if self.table.mask.is_none() {
-                self.refuse_keys(&["area"], "a mesh", "a mask or a picture of heights")?;
+            self.refuse_keys(&["height"], "a mesh", "a picture of heights")?;
+            if self.table.mask.is_none() && self.table.density_map.is_none() {
+                self.refuse_keys(
+                    &["area"],
+                    "a mesh",
+                    "a mask, a density map or a picture of heights",
+                )?;
             }
             Filled::Solid(Arc::new(self.solid(file, files)?))
         };
@@ -49,7 +58,15 @@ impl Body<'_> {
             Some(mask) => Some(Arc::new(self.plan_image("mask", mask, files)?)),
             None => None,
         };
-        Ok(FillSettings { pack: self.packed(files)?, body, mask })
+        let density_map = match &self.table.density_map {
+            Some(map) => {
+                let parts = self.plan_image("density_map", map, files)?.check_parts();
+                let key = self.key("density_map");
+                Some(Arc::new(parts.map_err(|cause| self.checks.unusable(&key, cause.into()))?))
+            }
+            None => None,
+        };
+        Ok(FillSettings { pack: self.packed(files)?, body, mask, density_map })
     }
 
     /// # Errors
@@ -69,7 +86,15 @@ impl Body<'_> {
         let mend = "say how dense the snow is, in kg/m^3, as density = 250";
         let density = self.needed("density", self.density()?, mend)?;
         let pack = PackSettings { radii, density, seed: self.table.seed.unwrap_or(0) };
-        pack.check().map_err(|cause| self.bad("density", &cause.to_string()))?;
+        let ratio = self.grains.absorption.density_ratio();
+        let counted = if ratio == 1.0 {
+            String::new()
+        } else {
+            format!(
+                "; that is of ice of the same solid fraction, and this is {ratio:.3} times as dense"
+            )
+        };
+        pack.check().map_err(|cause| self.bad("density", &format!("{cause}{counted}")))?;
         Ok(pack)
     }
 
@@ -90,7 +115,11 @@ impl Body<'_> {
             triangles: mesh.triangles.clone(),
             coordinates: Vec::new(),
         };
-        Solid::new(&placed).map_err(|cause| self.checks.unusable(&key, cause.into()))
+        let solid = match self.base()? {
+            Some(base) => Solid::under(&placed, base),
+            None => Solid::new(&placed),
+        };
+        solid.map_err(|cause| self.checks.unusable(&key, cause.into()))
     }
 
     fn heights(
@@ -101,9 +130,13 @@ impl Body<'_> {
         let mend = "say how high white is, as height = \"10 cm\"";
         let height = self.needed("height", self.table.height, mend)?;
         let height = self.checks.size(&self.key("height"), height)?;
-        let base = self.table.base.unwrap_or(Length { metres: 0.0 });
-        let [base] = self.checks.coordinates(&self.key("base"), [base])?;
+        let base = self.base()?.unwrap_or(0.0);
         Ok(HeightField { image: self.plan_image("file", file, files)?, height, base })
+    }
+
+    fn base(&self) -> Result<Option<f64>, SceneError> {
+        let Some(base) = self.table.base else { return Ok(None) };
+        self.checks.coordinates(&self.key("base"), [base]).map(|[base]| Some(base))
     }
 
     /// A picture over `area`.

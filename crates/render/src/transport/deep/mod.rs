@@ -1,0 +1,104 @@
+//! Light from the depth of snow, learnt from exact paths.
+//!
+//! A path that is deep in snow has forgotten where it came from: what it will bring depends on little but its
+//! place. So paths of their own, which go on to their exact end, are followed first, and what they
+//! bring from each place on is kept in a coarse grid ([`OutcomeField`]). A path of the picture that has met
+//! some grains and arrives deep in the snow ends there, with the mean of what such paths brought: the light
+//! of each slot, and two lengths in ice that have the mean, the variance and the skewness of theirs.
+//!
+//! *Where*: not where the path arrives, but one transport length further on along its direction. Light that
+//! is scattered forward gets there on average before it has forgotten its direction, so that in a diffusive
+//! medium what it brings depends on that place alone (as light that enters a slab acts like a source one
+//! transport length below; Ishimaru 1978, "Wave Propagation and Scattering in Random Media", chapter 9).
+//! The same is done when learning, so nothing rests on the theory but how much the outcomes within a cell differ.
+//!
+//! The field is a function of the scene, the seed and the number of paths that it is learnt from.
+
+mod field;
+mod learn;
+mod outcome;
+
+pub use field::OutcomeField;
+pub(crate) use learn::Learner;
+
+use super::{Contribution, PathEnd, PathResult};
+use snowgrain_accel::{DeepAnswer, DeepWatch};
+
+/// When a path of a picture ends deep in the snow, and how what it brings is learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeepSettings {
+    /// Grains that a path meets exactly, at least.
+    pub after_grains: u32,
+    /// Distance from open air and surfaces at least, transport lengths.
+    pub depth: f64,
+    /// Edge of the cells of the field, transport lengths.
+    pub cell: f64,
+    /// Paths by which outcomes are learnt.
+    pub learning_paths: u64,
+}
+
+impl DeepSettings {
+    /// Of the errors that settings are known for: how many grains and how deep, and times the paths of the
+    /// default (`cargo xtask deep` measures what is left).
+    const BY_ERROR: [(f64, u32, f64, u64); 3] =
+        [(0.01, 4, 0.5, 1), (0.003, 8, 1.0, 4), (0.001, 16, 2.0, 16)];
+
+    /// Least error that settings are known for.
+    pub const LEAST_ERROR: f64 = Self::BY_ERROR[2].0;
+
+    /// Settings by which the means of blocks of a picture differ by no more than this part, as measured;
+    /// `None` for an error that none are known for.
+    #[must_use]
+    pub fn for_error(error: f64) -> Option<Self> {
+        let fits = Self::BY_ERROR.into_iter().find(|&(known, ..)| known <= error)?;
+        let (_, after_grains, depth, times) = fits;
+        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times << 18 })
+    }
+}
+
+/// What a walk does with arrivals deep in the snow.
+pub(crate) enum Deep<'a> {
+    /// Ends paths there.
+    HandOver(&'a OutcomeField),
+    /// Notes them.
+    Learn(Box<Learner<'a>>),
+}
+
+impl<'a> Deep<'a> {
+    fn field(&self) -> &OutcomeField {
+        match self {
+            Self::HandOver(field) => field,
+            Self::Learn(learner) => learner.field,
+        }
+    }
+
+    /// What a flight is to do.
+    pub(super) fn watch(&self) -> DeepWatch<'a> {
+        let (field, answer) = match self {
+            Self::HandOver(field) => (*field, DeepAnswer::Stop),
+            Self::Learn(learner) => (learner.field, DeepAnswer::Note),
+        };
+        DeepWatch { interior: &field.interior, after_grains: field.after_grains, answer }
+    }
+
+    /// The light of a path that has ended, where none is looked for on the way.
+    pub(super) fn at_end(&self, path: &PathResult, found: &mut Vec<Contribution>) {
+        let lights = &self.field().lights;
+        let mut radiances = vec![[0.0; 3]; lights.slots().len()];
+        match path.end {
+            PathEnd::Escaped(_) if path.first_hit.is_none() => {}
+            PathEnd::Escaped(ray) => lights.add_radiances(ray.direction, &mut radiances),
+            PathEnd::Emitted { light, .. } => lights.add_emission(light, &mut radiances),
+            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => {}
+        }
+        let lit = radiances.into_iter().enumerate().filter(|(_, light)| *light != [0.0; 3]);
+        found.extend(lit.map(|(slot, light)| Contribution {
+            slot,
+            glint: false,
+            event: u32::MAX,
+            weight: std::array::from_fn(|c| light[c] * path.throughput[c]),
+            ice_length: path.ice_length,
+            ice_in_strata: path.ice_in_strata,
+        }));
+    }
+}

@@ -1,0 +1,402 @@
+//! The second grain that a camera sees, in or through the first: its images of suns, solved exactly.
+//!
+//! Light comes to a place x of a pixel from a sun by way of grain B, which it passes by q chords, and then of grain A,
+//! by p chords. All such light of the pixel is the integral over x of f(x) L(w(x)), with w the direction that the ray
+//! of x takes behind both grains, L the sun's radiance there, and f the parts of the light that take the way
+//! through each grain, where nothing else is in the way. For a direction w of density g on the sun's disc it is the
+//! mean over w of the sum of
+//!
+//! f(x*) L / (g J(x*))
+//!
+//! over the places x* with w(x*) = w, J being the solid angle of w(x) by area of the image
+//! ([`SpherePair`]).
+//!
+//! They are found by Newton's steps from where a path began that came to B by way of A after p chords. Its place x is
+//! anywhere in a window W around it (as in `first_grain`), it took the p chords with the probability E_p(x), and it
+//! is searched with a probability that falls where its own ray leaves far from the sun ([`PairSearch::probability`]).
+//! So a place that the steps lead to is divided by these two, by the area of W, by which the chance goes that W holds
+//! it, and by P, the part of W whose rays meet first A and then B, and from where the steps lead to the same place: in
+//! the mean over paths, what stands for it is f L / (g J). The inverse of P is on average the number of random places of
+//! W until one fulfils that (Zeltner, Georgiev and Jakob 2020, section 4.2), or until two do, over two.
+//!
+//! Where an image of the sun is large (near caustics J vanishes), paths meet it by chance more often than the search
+//! finds it. Both share its light by the balance heuristic, with the number of either that would be found at x: g J
+//! by area of the image for the search, less what it leaves out, and the part of the light that takes the way
+//! through B for chance ([`PairSearch::share`]).
+//!
+//! Nothing is known of ways in which grains overlap inside, so the orders are limited as at the first
+//! grain; by what ways light comes else it is met by chance ([`super::chance`]): each is either here or there.
+
+use super::shadow::{Brings, Condition, Wanted};
+use super::window::Window;
+use super::{
+    PathState, SOLVED_ORDERS, SOLVED_ORDERS_OF_OVERLAPPED, Seeker, Sun, Trail, View, product,
+    scaled, search_key,
+};
+use crate::transport::Contribution;
+use snowgrain_accel::{GrainVisit, GridPosition, Probe, ProbeAnswer, STRATA};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::{DVec3, Ray};
+use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
+
+/// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light,
+/// and nearly all of its noise, comes by one chord. It is one in twice as many where a window covers as much of the first
+/// grain as it may: searches take longer there, and succeed more often.
+const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [8.0, 1.0, 16.0, 64.0];
+/// What tells the random numbers of such a search, and of its trials, from others.
+const PAIR: u32 = 0x2b0d_1e55;
+const TRIAL: u32 = 0x5ec0_7214;
+/// Random event of the place on a sun; those before are of the searches.
+const SUN: u32 = SOLVED_ORDERS + 1;
+/// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians: as a rule.
+const TURNED: f64 = 7.0;
+/// Edge of a window in radii of the first grain, where a pixel is not smaller: about as large as the part of the
+/// grain behind which the second one is seen.
+const WINDOW: f64 = 0.5;
+/// Random places of a window that must lead to a solution: their number over that of all that were tried is known
+/// well enough for its inverse to add a half to the variance, where one alone doubles it.
+const SUCCESSES: u32 = 2;
+/// P as it is taken to be where a search and chance share light; how well it fits shows in the noise only.
+const TYPICAL_PART: f64 = 0.25;
+/// A search goes no farther from where it begins than so many edges of its window.
+const REACH: f64 = 1.5;
+/// Places are the same that are no farther apart than this part of a window.
+const SAME: f64 = 1e-5;
+
+/// The first grain that a path met, a sphere of which some orders are solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstGrain {
+    center: GridPosition,
+    radius: f32,
+    stratum: u8,
+    /// Random event of the path before it.
+    event: u32,
+    /// Orders up to which it is solved.
+    most: u32,
+}
+
+/// The second one, after the first had been passed by a way that can be solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SecondGrain {
+    center: GridPosition,
+    radius: f32,
+    /// Chords in the first grain.
+    pub(super) chords_before: u32,
+    /// Orders up to which it is solved.
+    pub(super) most: u32,
+}
+
+/// The rays of a place of the lens, and two grains that they pass by some orders.
+#[derive(Clone, Copy)]
+struct PairSearch {
+    pencil: Pencil,
+    pair: SpherePair,
+    /// Edge of a window.
+    edge: f64,
+    /// One path in so many looks for it.
+    paths: f64,
+    /// Angles by which neighbouring rays of a window leave apart: 1 less the cosine.
+    spread: f64,
+}
+
+/// Where a search begins.
+struct Begins {
+    image: [f64; 2],
+    window: Window,
+    /// That a path that went through this place does so by its chords in the first grain, and is searched.
+    probability: f64,
+    key: PathKey,
+}
+
+/// A way through two grains into a direction, not yet known to be open.
+pub(super) struct PairSolution {
+    search: PairSearch,
+    /// The first grain as it is stored.
+    first: (GridPosition, f32),
+    window: Window,
+    /// Direction of the sun.
+    sun: DVec3,
+    path: PairPath,
+    key: PathKey,
+}
+
+/// Trials of how often a path finds a solution.
+struct Trials<'a> {
+    /// Which of the shadow rays it is.
+    index: usize,
+    solution: &'a PairSolution,
+    count: u32,
+    successes: u32,
+}
+
+impl FirstGrain {
+    pub(super) fn new(visit: &GrainVisit) -> Self {
+        let &GrainVisit { center, radius, stratum, event, .. } = visit;
+        Self { center, radius, stratum, event, most: solved_orders(visit) }
+    }
+}
+
+impl PairSearch {
+    /// The search from a place of the image into the direction of a sun.
+    fn solve(&self, start: [f64; 2], sun: DVec3) -> Option<PairPath> {
+        self.pair.solve(&self.pencil, (start, REACH * self.edge), sun)
+    }
+
+    /// With which a path whose ray passes so looks for a sun in this direction: more rarely where no image of it is
+    /// to be expected near.
+    fn probability(&self, began: &[Passed; 2], sun: DVec3) -> f64 {
+        let apart = 1.0 - began[1].direction.dot(sun);
+        let near = (self.spread / apart.max(self.spread)).min(1.0);
+        near * near / self.paths
+    }
+
+    /// Part that a search for a sun of this solid angle (sr) has of the light by this way, beside chance.
+    fn share(&self, path: &PairPath, sun: f64) -> f64 {
+        let per_path = self.edge * self.edge * TYPICAL_PART / self.paths;
+        let (energy, _) = self.pair.part(1, &path.passed[1]);
+        let found = path.solid_angle() / sun * per_path;
+        found / (found + energy)
+    }
+}
+
+/// Orders of a sphere that are solved.
+pub(super) fn solved_orders(visit: &GrainVisit) -> u32 {
+    if visit.overlaps { SOLVED_ORDERS_OF_OVERLAPPED } else { SOLVED_ORDERS }
+}
+
+impl Seeker<'_> {
+    /// Looks for the images of all suns that the second grain of a path makes in the first.
+    pub(super) fn at_second_grain(
+        &mut self,
+        visit: &GrainVisit,
+        trail: &mut Trail,
+        state: &PathState,
+    ) {
+        let (Some(view), Some(first)) = (trail.view, trail.first_grain) else { return };
+        // A reflection outside is one interface, p chords are p + 1.
+        let chords_before = visit.event - first.event - 1;
+        if trail.through_ice || visit.meets_surface || chords_before > first.most {
+            return;
+        }
+        let &GrainVisit { center, radius, .. } = visit;
+        let second = SecondGrain { center, radius, chords_before, most: solved_orders(visit) };
+        trail.second_grain = Some(second);
+        let key = search_key(state.key);
+        let key = PathKey { lo: key.lo ^ PAIR, ..key };
+        for order in 0..=second.most {
+            let [x, y, chosen] = numbers(key, order).map(f64::from);
+            // None is worth a search then, whichever way it leaves.
+            if chosen * PATHS_PER_SEARCH[order as usize] >= 1.0 {
+                continue;
+            }
+            let search = self.pair_search(&view, (&first, &second), order);
+            let Some(began) = search.pair.pass(&search.pencil, view.image) else { continue };
+            let window = Window::around(view.image, search.edge, [x, y]);
+            for &Sun { light, towards } in &self.search.suns {
+                let probability = search.probability(&began, towards);
+                if chosen >= probability {
+                    continue;
+                }
+                // Each light and order has random numbers of its own.
+                let salt = (light as u32).wrapping_mul(SOLVED_ORDERS + 1) + order;
+                let begins = Begins {
+                    image: view.image,
+                    window,
+                    probability: search.pair.part(0, &began[0]).0 * probability,
+                    key: PathKey { lo: key.lo.wrapping_add(salt), ..key },
+                };
+                self.towards_sun_by_pair((visit, &first), (&search, &begins), light, state);
+            }
+        }
+    }
+
+    /// What is looked for by some chords of the second grain.
+    fn pair_search(
+        &self,
+        view: &View,
+        (first, second): (&FirstGrain, &SecondGrain),
+        order: u32,
+    ) -> PairSearch {
+        let grid = &self.world.grid;
+        let sphere = |center: GridPosition, radius: f32, order: u32| SphereVisit {
+            center: grid.world(center),
+            radius: f64::from(radius) * grid.quantum(),
+            order,
+        };
+        let near = sphere(first.center, first.radius, second.chords_before);
+        let far = sphere(second.center, second.radius, order);
+        let radius = near.radius / self.camera.pixel_footprint(self.camera.depth(near.center));
+        let edge = self.window_edge(near.center, WINDOW * near.radius);
+        let covers = edge / (WINDOW * radius);
+        let turned = TURNED * edge / radius;
+        PairSearch {
+            pencil: self.camera.pencil(view.lens),
+            pair: SpherePair { medium: self.search.medium, visits: [near, far] },
+            edge,
+            paths: PATHS_PER_SEARCH[order as usize] * (1.0 + covers),
+            spread: 0.5 * turned * turned,
+        }
+    }
+
+    /// Looks for an image of one sun by one way through both grains.
+    fn towards_sun_by_pair(
+        &mut self,
+        (visit, first): (&GrainVisit, &FirstGrain),
+        (search, begins): (&PairSearch, &Begins),
+        light: usize,
+        state: &PathState,
+    ) {
+        let lights = &self.search.lights;
+        let random = numbers(begins.key, SUN).map(f64::from);
+        let from = search.pair.visits[1].center;
+        let Some(sample) = lights.sample_light(light, from, random) else { return };
+        let Some(path) = search.solve(begins.image, sample.direction) else { return };
+        if !begins.window.contains(path.at) {
+            return;
+        }
+        let [(energy_near, length_near), (energy_far, length_far)] =
+            [0, 1].map(|sphere: usize| search.pair.part(sphere, &path.passed[sphere]));
+        let shared = energy_near * energy_far * search.share(&path, lights.solid_angle(light));
+        let density = path.solid_angle() * search.edge * search.edge * sample.pdf;
+        let weight = shared / (density * begins.probability);
+        let mut ice_in_strata = [0.0; STRATA];
+        for (stratum, length) in [(first.stratum, length_near), (visit.stratum, length_far)] {
+            if let Some(stratum) = usize::from(stratum).checked_sub(1) {
+                ice_in_strata[stratum] += length;
+            }
+        }
+        let brings = Brings::Light(Contribution {
+            slot: sample.slot,
+            glint: true,
+            event: visit.event,
+            weight: scaled(product(state.throughput, sample.radiance), weight),
+            ice_length: length_near + length_far,
+            ice_in_strata,
+        });
+        let solution = PairSolution {
+            search: *search,
+            first: (first.center, first.radius),
+            window: begins.window,
+            sun: sample.direction,
+            path,
+            key: PathKey { lo: begins.key.lo ^ TRIAL, ..begins.key },
+        };
+        let towards = (sample.direction, sample.distance, None);
+        let exit = (path.passed[1].exit, visit.radius);
+        self.want(visit, exit, towards, brings, Condition::Connects(Box::new(solution)));
+    }
+
+    /// Part of a sun's light by way of two grains that is left to a path that met it by chance after it had passed
+    /// the second by so many chords.
+    pub(super) fn left_to_chance(&self, trail: &Trail, order: u32, light: usize) -> f64 {
+        let (Some(view), Some(first), Some(second)) =
+            (&trail.view, &trail.first_grain, &trail.second_grain)
+        else {
+            return 1.0;
+        };
+        let search = self.pair_search(view, (first, second), order);
+        let path = search.pair.follow(&search.pencil, view.image);
+        // A ray that in single precision only just meets a grain is found by chance alone.
+        path.map_or(1.0, |path| 1.0 - search.share(&path, self.search.lights.solid_angle(light)))
+    }
+
+    /// Sets the weights of those to 0 whose way through two grains is not open, and divides the others by the
+    /// probability with which a path finds them.
+    pub(super) fn weigh_pairs(&mut self, wanted: &[Wanted], weights: &mut [f32]) {
+        let mut open: Vec<(usize, &PairSolution)> = Vec::new();
+        for (index, (wanted, weight)) in wanted.iter().zip(weights.iter()).enumerate() {
+            match &wanted.condition {
+                Condition::Connects(solution) if *weight > 0.0 => open.push((index, solution)),
+                _ => {}
+            }
+        }
+        if open.is_empty() {
+            return;
+        }
+        let ways: Vec<_> = open
+            .iter()
+            .map(|&(_, solution)| (solution, (solution.path.at, solution.path.passed[0])))
+            .collect();
+        let mut is_open = self.are_open(&ways).into_iter();
+        open.retain(|&(index, _)| {
+            let is_open = is_open.next() == Some(true);
+            if !is_open {
+                weights[index] = 0.0;
+            }
+            is_open
+        });
+        let mut open: Vec<_> = open
+            .into_iter()
+            .map(|(index, solution)| Trials { index, solution, count: 0, successes: 0 })
+            .collect();
+        while !open.is_empty() {
+            let mut ways = Vec::new();
+            for trials in &mut open {
+                for _ in trials.successes..SUCCESSES {
+                    ways.push((trials.solution, trials.next_start()));
+                }
+            }
+            let mut is_open = self.are_open(&ways).into_iter();
+            open.retain_mut(|trials| {
+                let tried = (trials.successes..SUCCESSES).len();
+                trials.successes += is_open.by_ref().take(tried).map(u32::from).sum::<u32>();
+                if trials.successes == SUCCESSES {
+                    weights[trials.index] = trials.count as f32 / SUCCESSES as f32;
+                }
+                trials.successes < SUCCESSES
+            });
+        }
+    }
+
+    /// Whether such rays meet the first grain first, and then the second.
+    fn are_open(&mut self, ways: &[(&PairSolution, ([f64; 2], Passed))]) -> Vec<bool> {
+        let grid = &self.world.grid;
+        let quantum = grid.quantum();
+        let mut met = vec![0; ways.len()];
+        let (mut probes, mut of_probe) = (Vec::new(), Vec::new());
+        for (index, &(solution, (at, passed))) in ways.iter().enumerate() {
+            let (origin, direction) = solution.search.pencil.ray(at);
+            let ray = Ray::new(origin, direction);
+            let Some((t, start)) = grid.enter(&ray) else { continue };
+            let leaving =
+                Probe::leaving(grid, solution.first, passed.exit, passed.direction, f32::MAX);
+            let Some(leaving) = leaving else { continue };
+            let [near, far] = solution.search.pair.visits.map(|visit| visit.center);
+            probes.extend([Probe::through_air(start, direction, f32::MAX), leaving]);
+            let between = Ray::new(grid.world(leaving.start), passed.direction);
+            of_probe.extend([(index, near, ray, t), (index, far, between, 0.0)]);
+        }
+        let surfaces = &self.world.surfaces;
+        self.probes.follow(&probes, |probe, answer| {
+            let ProbeAnswer::Met { distance, center, .. } = answer else { return };
+            let (index, wanted, ray, t) = of_probe[probe];
+            let is_it = (grid.world(center) - wanted).length_squared() < quantum * quantum;
+            let reach = t + f64::from(distance) * quantum;
+            if is_it && (surfaces.is_empty() || surfaces.intersect(&ray, reach, None).is_none()) {
+                met[index] += 1;
+            }
+        });
+        met.into_iter().map(|met| met == 2).collect()
+    }
+}
+
+impl Trials<'_> {
+    /// The next random place of the window from which the search leads to the solution, and how its ray passes the
+    /// first grain.
+    fn next_start(&mut self) -> ([f64; 2], Passed) {
+        let PairSolution { search, window, sun, path, key, .. } = self.solution;
+        loop {
+            let [x, y, _] = numbers(*key, self.count).map(f64::from);
+            self.count += 1;
+            let start = window.at([x, y]);
+            let Some([passed, _]) = search.pair.pass(&search.pencil, start) else { continue };
+            let is_it = search.solve(start, *sun).is_some_and(|found| {
+                let apart = [0, 1].map(|axis: usize| (found.at[axis] - path.at[axis]).abs());
+                apart[0].max(apart[1]) < SAME * search.edge
+            });
+            if is_it {
+                return (start, passed);
+            }
+        }
+    }
+}
