@@ -28,6 +28,7 @@ height = 0.4
 absorption = 0.0
 [[light]]
 kind = "sun"
+spectrum = "d65"
 elevation = 40.0
 azimuth = 60.0
 angular_diameter = 8.0
@@ -114,7 +115,8 @@ fn a_face_that_fills_a_pixel_shows_the_sun_by_fresnel() {
     let found = measured(&description, sun, 4096);
     let [reflected, refracted, within] = found.counts;
     assert_eq!([reflected.made, reflected.seen, refracted.made], [1, 1, 0], "{found:?}");
-    assert!(within.made >= 1 && within.seen == within.made, "{found:?}");
+    // Other ways go in by the sides of the plate, which the picture does not show.
+    assert!(within.seen == 1 && within.made >= 1, "{found:?}");
     let scene = Scene::build(&description, &mut |_| ()).unwrap();
     let shown = picture(&scene, 0..4, PixelRect::new(0, 0, 4, 4)).film;
     let radiance = f64::from(scene.lights.radiance_at_infinity(0, towards)[1]);

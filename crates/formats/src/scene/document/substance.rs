@@ -10,7 +10,7 @@ use snowgrain_optics::Substance;
 pub struct MaterialTable {
     /// "ice", "salt" (NaCl), "sugar" (sucrose), "soda-lime-glass" (also "glass"), "borosilicate-glass" (N-BK7; also
     /// "bk7"), "quartz" (SiO2, as sand), "fused-silica" or "measured" (from `file`); default "ice", of which
-    /// [ice] says more.
+    /// `ice.ior` and the other keys there say more.
     pub kind: SubstanceName,
     /// File of measured indices, relative to the scene file: lines of a wavelength (nm, or with a unit as 0.38um), n
     /// and, if it is known, k, from 380 to 780 nm or farther; measured.
