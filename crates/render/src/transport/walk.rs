@@ -103,6 +103,9 @@ impl<Tag: Copy> Walk<'_, Tag> {
     /// Looks for light where paths have arrived since the last time, and notes what is learnt from; whether
     /// any has arrived.
     fn take_arrivals(&mut self) -> bool {
+        if self.search.is_none() && self.deep.is_none() {
+            return false;
+        }
         self.flight.take_visits(&mut self.visits);
         let (walkers, visits) = (&self.walkers, &self.visits);
         let state = |lane: usize| {

@@ -178,7 +178,7 @@ impl Sums {
         for (sums, running) in sums.chunks_exact_mut(width).zip(running) {
             let (weight, powers, strata) = running.since(vertex, unit);
             let values = weight.into_iter().chain(powers).chain(strata);
-            let parts_of = |value: f64| i128::from((value * parts) as i64);
+            let parts_of = |value: f64| i128::from((value * parts).round() as i64);
             sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += parts_of(value));
         }
     }
