@@ -143,7 +143,9 @@ const ERROR_HEADS: &str = "| light | kg/m^3 | pixel, r | grains | depth | mean |
 ";
 
 const SPEED: &str = "Seconds of one processor until the pixels of a picture of 512 x 512 have a standard error of 2 %, learning \
-included; the close-up of the first table, grains of .5 mm at 275 kg/m^3. *Variance* is that of one sample of a pixel over the square of the mean.
+included; the close-up of the first table, grains of .5 mm at 275 kg/m^3. *Variance* is that of one sample of a pixel over the square of the mean. The seconds \
+of learning hold the packing of the grains for light and, under the sun, the measuring of the search for it, which exact light needs, too (and \
+is charged for).
 
 ";
 const SPEED_HEADS: &str = "| light | depth, m | exact, us a sample | learnt | exact, variance | learnt | learning, s | bias, % | exact, s | learnt, s | times faster |
