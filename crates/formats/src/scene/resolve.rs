@@ -133,7 +133,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     });
     let light_finding = lights::finding(&checks, &lights)?;
     let deep = deep::deep(&checks)?;
-    Ok(SceneDescription {
+    let scene = SceneDescription {
         film,
         camera,
         ice,
@@ -146,7 +146,9 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         light_finding,
         deep,
         packing,
-    })
+    };
+    deep::refuse_shapes(&checks, &scene)?;
+    Ok(scene)
 }
 
 fn film(checks: &Checks<'_>) -> Result<FilmDescription, SceneError> {

@@ -6,6 +6,7 @@ use snowgrain_math::{DVec3, trig};
 use snowgrain_optics::{Illuminant, SunZenith};
 use snowgrain_render::description::{LightFinding, LightKind, SearchSettings, Sought};
 use snowgrain_render::light::{direction_of, irradiance_of_disc};
+use snowgrain_render::transport::deep::DeepSettings;
 use std::f64::consts::PI;
 
 /// The refusal of the least scene where `line` replaces `old`.
@@ -207,6 +208,28 @@ fn a_search_is_calibrated_by_as_many_paths_as_are_asked_for() {
     }
     let exact = ["integrator.light=exact", "integrator.calibration_paths=4096"];
     assert!(refusal(&sun, &exact).contains("no light is looked for in this scene; remove it"));
+}
+
+#[test]
+fn light_deep_in_the_snow_is_learnt_as_an_error_asks() {
+    let snow = under("kind = \"sky\"");
+    let deep = |sets: &[&str]| read(&snow, sets).map(|scene| scene.deep).unwrap();
+    assert_eq!(deep(&[]), None);
+    let learnt = "integrator.deep=learnt";
+    assert_eq!(deep(&[learnt]), DeepSettings::for_error(0.01));
+    let own = deep(&[learnt, "integrator.lod_error=0.001", "integrator.deep_depth=0.25"]).unwrap();
+    assert_eq!((own.after_grains, own.depth), (16, 0.25));
+    for (sets, expected) in [
+        (["integrator.lod_error=0.01", "film.seed=1"], "needs integrator.deep = \"learnt\""),
+        ([learnt, "integrator.lod_error=0.0001"], "must be from 0.001 to 1"),
+        ([learnt, "integrator.lod_error=2"], "must be from 0.001 to 1"),
+        ([learnt, "integrator.deep_depth=-1"], "must be from 0 to 20"),
+        ([learnt, "integrator.learning_paths=5"], "must be a whole number from 1024 to 1e9"),
+        ([learnt, "snow.shapes=[{ shape = \"cube\" }]"], "is for spheres alone so far"),
+    ] {
+        let message = refusal(&snow, &sets);
+        assert!(message.contains(expected), "{message}");
+    }
 }
 
 /// A scene that has no light but those of its shot.
