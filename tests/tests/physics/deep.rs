@@ -69,8 +69,6 @@ fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
         "integrator.light=\"sampled\"",
         "integrator.calibration_paths=65536",
     ];
-    let plates =
-        ["snow.shapes=[{ shape = \"hexagonal-plate\", aspect = 0.5 }]", "snow.density=250"];
     let cases: [(&str, Vec<&str>, u64, u64); 3] = [
         ("overcast", vec![], 1024, 512),
         ("soot", vec![soot], 512, 256),
@@ -83,14 +81,16 @@ fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
         let learnt = film(&learnt_scene, learnt_samples);
         for colour in 0..3 {
             let [a, b] = [channel(&exact, colour), channel(&learnt, colour)];
-            let error = (a.standard_error.powi(2) + b.standard_error.powi(2)).sqrt();
+            let error =
+                (a.standard_error * a.standard_error + b.standard_error * b.standard_error).sqrt();
             println!("{name} {colour}: {a:?} {b:?} {:+.2} %", 100.0 * (b.mean / a.mean - 1.0));
             let allowed = 0.01 * a.mean + SIGMAS * error;
             assert!((b.mean - a.mean).abs() <= allowed, "{name} {colour}: {a:?} {b:?}");
         }
         if name == "overcast" {
             let of = |film: &Film, samples: u64| {
-                channel(film, 1).standard_error.powi(2) * samples as f64
+                let error = channel(film, 1).standard_error;
+                error * error * samples as f64
             };
             let ratio = of(&exact, exact_samples) / of(&learnt, learnt_samples);
             println!("{name}: variance of a path over that of a learnt one {ratio}");

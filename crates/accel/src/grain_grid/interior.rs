@@ -123,7 +123,7 @@ impl GrainGrid {
         let cells = count(edges);
         let snow = self.snow_cells(edges, cells);
         let mut deep = Bits::new(cells);
-        snow.eroded(cells, rings as i32, &mut deep);
+        snow.eroded(cells, rings.min(1 << 20).cast_signed(), &mut deep);
         Interior {
             edge: edges,
             inverse_edge: edges.map(|edge| 1.0 / f64::from(edge)),
@@ -138,7 +138,7 @@ impl GrainGrid {
     /// The coarse cells that are snow.
     fn snow_cells(&self, edges: [i32; 3], cells: [i32; 3]) -> Bits {
         let volume: i32 = edges.iter().product();
-        let mut full = std::collections::HashMap::<u64, i32>::new();
+        let mut full = std::collections::BTreeMap::<u64, i32>::new();
         self.for_each_cell(|cell, entry| {
             let coarse = std::array::from_fn(|axis| cell[axis] / edges[axis]);
             let count = full.entry(index_of(coarse, cells)).or_default();

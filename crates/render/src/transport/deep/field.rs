@@ -107,9 +107,9 @@ impl OutcomeField {
         let (low, part) = (corner.floor(), corner - corner.floor());
         let mut around = [(0, 0.0); 8];
         for (index, (number, weight)) in around.iter_mut().enumerate() {
-            let upper = [index & 1, index >> 1 & 1, index >> 2];
-            let cell: Cell = std::array::from_fn(|axis| low[axis] as i32 + upper[axis] as i32);
-            let along = |axis: usize| if upper[axis] == 1 { part[axis] } else { 1.0 - part[axis] };
+            let upper = [0, 1, 2].map(|axis: usize| index >> axis & 1 == 1);
+            let cell: Cell = std::array::from_fn(|axis| low[axis] as i32 + i32::from(upper[axis]));
+            let along = |axis: usize| if upper[axis] { part[axis] } else { 1.0 - part[axis] };
             *number = self.numbers[&cell] as usize;
             *weight = along(0) * along(1) * along(2);
         }

@@ -14,7 +14,8 @@ use rustc_hash::FxHashMap;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{GrainVisit, STRATA, SimdLevel};
 use snowgrain_math::sampler::{PathKey, numbers};
-use std::collections::hash_map::Entry;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Paths of one task.
 const TASK: u64 = 1 << 13;
@@ -162,9 +163,9 @@ pub(super) struct Sums {
     strata: usize,
     /// Arrivals that count there, and of each slot in turn whole numbers: light of three channels, three powers,
     /// lengths in strata.
-    cells: FxHashMap<Cell, (u64, Vec<i128>)>,
+    cells: BTreeMap<Cell, (u64, Vec<i128>)>,
     /// Of the cells where they arrived.
-    arrivals: FxHashMap<Cell, u64>,
+    arrivals: BTreeMap<Cell, u64>,
 }
 
 impl Sums {
