@@ -122,7 +122,7 @@ ever. It is a function of the scene and the seed: the same bits on any machine. 
 rendered exactly, and so is all light that comes back before it has met a few grains and is half a transport length from open air and from \
 surfaces (`deep_after_grains`, `deep_depth`).
 
-Grains with shapes of their own are refused so far: the scale of the table is that of spheres. \
+Grains with shapes of their own and grains of other indices than ice in air are refused so far: the scale of the table is that of spheres of ice. \
 A transport length is the way on which light forgets its direction, 5.2 mean distances between grains: 11.6 mm for grains of .5 mm at \
 275 kg/m^3, 1/density and proportional to the radius.
 

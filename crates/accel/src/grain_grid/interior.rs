@@ -79,6 +79,12 @@ impl Interior {
         }))
     }
 
+    /// How far the centre of a grain may lie outside of a cell that lists it, in coarse cells along each axis.
+    #[must_use]
+    pub fn overhang(&self) -> DVec3 {
+        DVec3::splat(self.margin * self.quantum) / self.edges()
+    }
+
     /// Memory, bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {

@@ -147,7 +147,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         deep,
         packing,
     };
-    deep::refuse_shapes(&checks, &scene)?;
+    deep::refuse_unmeasured(&checks, &scene)?;
     Ok(scene)
 }
 

@@ -44,15 +44,24 @@ pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneErr
     Ok(Some(settings))
 }
 
-/// Refuses to learn of grains with shapes: how far they carry light is known of spheres alone, and by that plates came
-/// out 1.8 % too dark.
-pub(super) fn refuse_shapes(
+/// Indices of grains, relative to what is between them, of which the scale of the learnt field is known: ice in air.
+const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
+
+/// Refuses to learn of grains that the scale of the learnt field is not known of: those with shapes (by the scale of spheres
+/// plates came out 1.8 % too dark), and those of other substances or in water, whose error was not measured.
+pub(super) fn refuse_unmeasured(
     checks: &Checks<'_>,
     scene: &SceneDescription,
 ) -> Result<(), SceneError> {
-    if scene.deep.is_some() && scene.has_shapes() {
-        let mend = "is for spheres alone so far, and some grains have shapes; use \"exact\" (--lod-error 0)";
-        return Err(checks.bad("integrator.deep", mend));
+    if scene.deep.is_none() {
+        return Ok(());
     }
-    Ok(())
+    let what = if scene.has_shapes() {
+        "is for spheres alone so far, and some grains have shapes"
+    } else if !KNOWN_INDICES.contains(&scene.ice.eta()) {
+        "is for ice in air alone so far (a relative index from 1.29 to 1.34)"
+    } else {
+        return Ok(());
+    };
+    Err(checks.bad("integrator.deep", format!("{what}; use \"exact\" (--lod-error 0)")))
 }

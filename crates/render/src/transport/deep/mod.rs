@@ -6,7 +6,7 @@
 //! some grains and arrives deep in the snow ends there, with the mean of what such paths brought: the light
 //! of each slot, and two lengths in ice that have the mean, the variance and the skewness of theirs.
 //!
-//! *Where*: not where the path arrives, but one transport length further on along its direction. Light that
+//! *Where*: not where the path arrives, but nearly one transport length further on along its direction. Light that
 //! is scattered forward gets there on average before it has forgotten its direction, so that in a diffusive
 //! medium what it brings depends on that place alone (as light that enters a slab acts like a source one
 //! transport length below; Ishimaru 1978, "Wave Propagation and Scattering in Random Media", chapter 9).
