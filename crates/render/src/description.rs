@@ -43,6 +43,8 @@ pub struct SceneDescription {
     pub deep: Option<DeepSettings>,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
+    /// Whether snow of packs is made of tiles that are kept once; `None`: where it has very many grains, and can be.
+    pub tiled: Option<bool>,
 }
 
 /// Size and sampling of the picture.

@@ -1,6 +1,7 @@
 //! A scene that light can travel through.
 
 mod quantisation;
+mod tiled;
 
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
@@ -14,6 +15,8 @@ use crate::transport::deep::OutcomeField;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
+pub(crate) use tiled::tiled_bodies;
+use tiled::tiled_grid;
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
 use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
@@ -188,7 +191,8 @@ impl Scene {
             stage(BuildStage::Deep);
             let lights = (&lights, search.as_ref());
             let picture = ([film.width, film.height], film.seed);
-            OutcomeField::learn((&world, &camera), lights, &settings, picture, level)
+            let world = (&world, &*prototypes, &camera);
+            OutcomeField::learn(world, lights, &settings, picture, level)
         });
         report.learnt = outcomes.as_ref().map(|field| (field.cells(), field.memory_bytes()));
         let catchers_alone = match catchers::alone(description) {
@@ -383,6 +387,18 @@ fn build_grid(
             let surfaces = with_lamps.unwrap_or(objects);
             return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
         }
+    }
+    if let Some(bodies) = tiled_bodies(description) {
+        let quantisation = quantisation_of(description, &objects);
+        check_sizes(description, quantisation)?;
+        let surfaces = if has_lamps {
+            Surfaces::new(&lit.shapes).with_level(level)
+        } else {
+            objects
+        };
+        let world = (quantisation, &surfaces);
+        let (grid, digest) = tiled_grid(description, &bodies, world, report, stage)?;
+        return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
     }
     let mut known = KnownGrains::of_scene(description);
     let field = fall(description, (&objects, level), &mut known, report, stage)?;

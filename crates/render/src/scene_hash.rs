@@ -8,8 +8,8 @@ use crate::description::{
 use crate::surface::Reflectance;
 use crate::transport::deep::DeepSettings;
 use crate::transport::seek::Sought;
-use snowgrain_geometry::{Quantisation, TriangleMesh};
-use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
+use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh};
+use snowgrain_grains::{FieldShapes, FillSettings, GrainField, LatticeCell};
 use snowgrain_optics::{Absorption, Impurity, Load, Substance};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -31,6 +31,24 @@ impl GrainDigest {
         hash.words(&[u32::from(cell.radius)]);
         hash.doubles(&quantisation.origin().to_array());
         hash.doubles(&[quantisation.quantum()]);
+        Self(*hash.0.finalize().as_bytes())
+    }
+
+    /// Of bodies that are made of tiles, by the grains of these and what is asked for.
+    pub(crate) fn of_tiles(
+        quantisation: Quantisation,
+        packing: Packing,
+        variants: &[Vec<QuantisedGrain>],
+        bodies: &[&FillSettings],
+    ) -> Self {
+        let mut hash = Hash(blake3::Hasher::new());
+        hash.tag("tiles");
+        for grains in variants {
+            let field = GrainField::new(quantisation, grains.clone());
+            hash.0.update(&Self::new(quantisation, packing, &field).0);
+        }
+        // What Debug writes of a number reads back as that number.
+        bodies.iter().for_each(|body| hash.tag(&format!("{body:?}")));
         Self(*hash.0.finalize().as_bytes())
     }
 
@@ -83,7 +101,10 @@ pub fn recipe(scene: &SceneDescription) -> [u8; 32] {
     hash.tag(env!("CARGO_PKG_VERSION"));
     hash.0.update(&scene.film.seed.to_le_bytes());
     let (packing, film) = (scene.packing, &scene.film);
-    hash.tag(&format!("{packing:?} {} {}", film.keep_ice_paths, film.keep_light_groups));
+    hash.tag(&format!(
+        "{packing:?} {:?} {} {}",
+        scene.tiled, film.keep_ice_paths, film.keep_light_groups
+    ));
     for snow in &scene.snow {
         match snow {
             SnowDescription::Grains(field) => {

@@ -5,7 +5,6 @@
 
 use super::packed_cells::{BRICK, within_brick};
 use super::{CellEntry, GrainGrid, GridPosition, RADIUS_MASK, Storage};
-use core::f64::consts::PI;
 use snowgrain_math::DVec3;
 
 /// Most coarse cells: a bit each. Where there would be more they are larger.
@@ -24,6 +23,15 @@ pub struct Interior {
     side: [f64; 3],
     quantum: f64,
     deep: Bits,
+}
+
+/// Sums over the grains in a volume; of shapes the radii of the spheres of equal volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SizesPerVolume {
+    /// Of the squares of the radii, 1/m.
+    pub squared_radii: f64,
+    /// Of their cubes.
+    pub cubed_radii: f64,
 }
 
 impl Interior {
@@ -98,22 +106,27 @@ impl Interior {
 }
 
 impl GrainGrid {
-    /// Area of the grains' discs per volume of the cells that hold grains, 1/m: what light that goes straight
-    /// meets, about 3 phi / (4 r). Grains of shapes count as spheres of equal volume.
+    /// How many grains there are and how large: sums over the volume of the cells that hold any, of each prototype in turn
+    /// (one, where grains are spheres). Empty for a lattice of which no cells are kept.
     #[must_use]
-    pub fn extinction(&self) -> f64 {
-        let (mut area, mut cells) = (0.0, 0u64);
+    pub fn sizes_per_volume(&self) -> Vec<SizesPerVolume> {
+        let mut sums = Vec::new();
+        let mut cells = 0u64;
         self.for_each_cell(|_, entry| {
             if entry.first_block() == 0 {
                 return;
             }
             cells += 1;
             for index in entry.blocks() {
-                area += self.area_of_block(index);
+                self.add_sizes(index, &mut sums);
             }
         });
-        let volume: f64 = self.side.map(f64::from).iter().product::<f64>() * cells as f64;
-        if volume > 0.0 { area / (volume * self.quantum()) } else { 0.0 }
+        let volume = self.side.map(f64::from).iter().product::<f64>() * cells as f64;
+        for of_prototype in &mut sums {
+            of_prototype.squared_radii /= volume * self.quantum();
+            of_prototype.cubed_radii /= volume;
+        }
+        sums
     }
 
     /// Coarse cells of about an edge, metres, those deep that have so many rings of snow around them.
@@ -163,23 +176,28 @@ impl GrainGrid {
         snow
     }
 
-    /// Area of the discs of the grains of a block whose centres are in its cell, square quanta.
-    fn area_of_block(&self, index: usize) -> f64 {
+    /// Adds the sizes of the grains of a block whose centres are in its cell, in quanta.
+    fn add_sizes(&self, index: usize, sums: &mut Vec<SizesPerVolume>) {
         let block = &self.blocks[index];
         let (low, side) = (self.margin, self.side);
         let own = |at: u16, axis: usize| (low..low + side[axis]).contains(&i32::from(at));
-        let mut area = 0.0;
         for slot in 0..super::GRAINS_PER_BLOCK {
             if !(own(block.x[slot], 0) && own(block.y[slot], 1) && own(block.z[slot], 2)) {
                 continue;
             }
-            let radius = match &self.shapes {
-                Some(shapes) => super::ShapeWord::of_slot(shapes.blocks[index][slot]).radius(),
-                None => f64::from(block.radius[slot] & RADIUS_MASK),
+            let (prototype, radius) = match &self.shapes {
+                Some(shapes) => {
+                    let word = super::ShapeWord::of_slot(shapes.blocks[index][slot]);
+                    (word.shape().prototype(), word.radius())
+                }
+                None => (0, f64::from(block.radius[slot] & RADIUS_MASK)),
             };
-            area += PI * radius * radius;
+            if sums.len() <= prototype {
+                sums.resize(prototype + 1, SizesPerVolume::default());
+            }
+            sums[prototype].squared_radii += radius * radius;
+            sums[prototype].cubed_radii += radius * radius * radius;
         }
-        area
     }
 
     /// Every cell that holds anything, and perhaps some that do not.

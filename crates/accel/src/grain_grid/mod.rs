@@ -19,12 +19,13 @@ mod packing;
 mod parts;
 mod shapes;
 mod sites;
+mod tiles;
 #[cfg(test)]
 mod tests;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
-pub use interior::Interior;
+pub use interior::{Interior, SizesPerVolume};
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
@@ -32,6 +33,7 @@ pub use packing::Packing;
 pub use parts::{GrainParts, PartReader};
 pub use shapes::ShapedGrains;
 pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
+pub use tiles::{Extent, TiledGrains, tile_divisor};
 pub(crate) use sites::{LatticeSites, SiteKind};
 
 use crate::strata::BlockStrata;

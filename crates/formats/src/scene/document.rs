@@ -337,6 +337,10 @@ pub struct IntegratorTable {
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.
     pub packing: Option<PackingName>,
+    /// Whether snow of `source` "pack" and "fill" is made of tiles that are kept once, so that memory grows with its
+    /// surface alone; absent: where the scene has more than four million grains, all of spheres of one pack without
+    /// masks, density maps or impurities of their own.
+    pub tiled: Option<bool>,
 }
 
 /// What becomes of light deep in the snow.

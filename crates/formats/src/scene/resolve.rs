@@ -146,8 +146,12 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         light_finding,
         deep,
         packing,
+        tiled: file.document.integrator.tiled,
     };
-    deep::refuse_unmeasured(&checks, &scene)?;
+    if !scene.can_be_tiled_as_told() {
+        let mend = "needs snow of source \"pack\" or \"fill\" alone, of spheres with the same settings, without mask, density_map, shapes or impurities of its own; remove it";
+        return Err(checks.bad("integrator.tiled", mend));
+    }
     Ok(scene)
 }
 

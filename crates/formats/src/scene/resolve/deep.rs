@@ -3,7 +3,6 @@
 use super::checks::Checks;
 use crate::scene::SceneError;
 use crate::scene::document::DeepName;
-use snowgrain_render::description::SceneDescription;
 use snowgrain_render::transport::deep::DeepSettings;
 
 /// Error that is allowed where none is told.
@@ -42,26 +41,4 @@ pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneErr
         return Err(checks.bad("integrator.learning_paths", mend));
     }
     Ok(Some(settings))
-}
-
-/// Indices of grains, relative to what is between them, of which the scale of the learnt field is known: ice in air.
-const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
-
-/// Refuses to learn of grains that the scale of the learnt field is not known of: those with shapes (by the scale of spheres
-/// plates came out 1.8 % too dark), and those of other substances or in water, whose error was not measured.
-pub(super) fn refuse_unmeasured(
-    checks: &Checks<'_>,
-    scene: &SceneDescription,
-) -> Result<(), SceneError> {
-    if scene.deep.is_none() {
-        return Ok(());
-    }
-    let what = if scene.has_shapes() {
-        "is for spheres alone so far, and some grains have shapes"
-    } else if !KNOWN_INDICES.contains(&scene.ice.eta()) {
-        "is for ice in air alone so far (a relative index from 1.29 to 1.34)"
-    } else {
-        return Ok(());
-    };
-    Err(checks.bad("integrator.deep", format!("{what}; use \"exact\" (--lod-error 0)")))
 }

@@ -3,21 +3,13 @@
 use super::DeepSettings;
 use super::learn::Sums;
 use super::outcome::Outcome;
+use super::scale::Scale;
 use crate::light::Lights;
 use crate::transport::Contribution;
 use crate::world::World;
 use rustc_hash::{FxHashMap, FxHashSet};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Interior};
 use snowgrain_math::DVec3;
-
-/// Transport length over the mean distance between grains along a straight line, 1 / (1 - g_eff), for spheres of ice (11.6 mm
-/// at 275 kg/m^3 and r = .5 mm).
-const TRANSPORT_LENGTH: f64 = 5.2;
-
-/// How far ahead of an arrival what it brings is booked, in the same mean distances: a transport length less
-/// about one, since the next grain is met at once. By it the error after four grains at half a transport length is least: 0 %,
-/// against -.5 % at 4.7, -.9 % at 5.2 and +.1 % at 3.9 (overcast sky on 10 cm of snow of 275 kg/m^3).
-const AHEAD: f64 = 4.05;
 
 /// Arrivals from which a cell counts as learnt.
 const FEWEST: u64 = 16;
@@ -48,17 +40,14 @@ impl OutcomeField {
         world: &World,
         lights: &Lights,
         settings: &DeepSettings,
+        scale: Scale,
     ) -> Option<Self> {
-        let extinction = world.grid.extinction();
-        if extinction <= 0.0 {
-            return None;
-        }
-        let unit = TRANSPORT_LENGTH / extinction;
+        let unit = scale.transport_length;
         let rings = (settings.depth / settings.cell).ceil() as u32;
         let interior = world.grid.interior(settings.cell * unit, rings);
         let any = interior.deep_cells().next().is_some();
         any.then(|| Self {
-            ahead: DVec3::splat(AHEAD / extinction) / interior.edges(),
+            ahead: DVec3::splat(scale.ahead) / interior.edges(),
             interior,
             after_grains: settings.after_grains,
             unit,

@@ -2,6 +2,7 @@
 
 use super::field::{Cell, OutcomeField, neighbours};
 use super::outcome::Outcome;
+use super::scale::Scale;
 use super::{Deep, DeepSettings};
 use crate::camera::Camera;
 use crate::light::Lights;
@@ -12,6 +13,7 @@ use crate::world::World;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use snowgrain_accel::flight::LANES;
+use snowgrain_geometry::Shape;
 use snowgrain_accel::{GrainVisit, STRATA, SimdLevel};
 use snowgrain_math::sampler::{PathKey, numbers};
 use std::collections::BTreeMap;
@@ -248,17 +250,18 @@ impl Sums {
 }
 
 impl OutcomeField {
-    /// Learns by paths of the camera over a picture of `size` pixels, on the threads of the current pool,
+    /// Learns of light in a world, whose grains have these shapes where they are not all spheres, by paths of the camera over a picture of `size` pixels, on the threads of the current pool,
     /// which do not show in the result; `None` where no snow is deep.
     #[must_use]
     pub fn learn(
-        (world, camera): (&World, &Camera),
+        (world, prototypes, camera): (&World, &[Shape], &Camera),
         (lights, search): (&Lights, Option<&LightSearch>),
         settings: &DeepSettings,
         (size, seed): ([u32; 2], u64),
         level: SimdLevel,
     ) -> Option<Self> {
-        let field = Self::unlearnt(world, lights, settings)?;
+        let scale = Scale::of(world, prototypes, level)?;
+        let field = Self::unlearnt(world, lights, settings, scale)?;
         let paths = settings.learning_paths;
         let size = size.map(f64::from);
         let sums = (0..paths.div_ceil(TASK))

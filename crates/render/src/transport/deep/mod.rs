@@ -17,6 +17,7 @@
 mod field;
 mod learn;
 mod outcome;
+mod scale;
 
 pub use field::OutcomeField;
 pub(crate) use learn::Learner;
