@@ -40,7 +40,7 @@ pub mod shapes;
 pub use deposit::{DepositReport, Reached, Snowfall, reached_solid_fraction};
 pub use error::GrainsError;
 pub use field::GrainField;
-pub use fill::{Body, TiledFill, FillReport, FillSettings, HeightField, PlanImage, Solid};
+pub use fill::{Body, FillReport, FillSettings, HeightField, PlanImage, Solid, TiledFill};
 pub use lattice::{LatticeCell, lattice_grains};
 pub use layers::{LayerSettings, Layers, Stacking};
 pub use measures::{Extent, PackReport, Slab};

@@ -15,8 +15,6 @@ use crate::transport::deep::OutcomeField;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
-pub(crate) use tiled::tiled_bodies;
-use tiled::tiled_grid;
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
 use snowgrain_geometry::{Quantisation, Shape, teapot::teapot};
@@ -27,6 +25,8 @@ use snowgrain_math::DAffine3;
 use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
+pub(crate) use tiled::tiled_bodies;
+use tiled::tiled_grid;
 
 /// Quads along each edge of a patch of the built-in teapot: 65 536 triangles, 3 mm wide on a
 /// teapot of .2 m.
@@ -391,11 +391,8 @@ fn build_grid(
     if let Some(bodies) = tiled_bodies(description) {
         let quantisation = quantisation_of(description, &objects);
         check_sizes(description, quantisation)?;
-        let surfaces = if has_lamps {
-            Surfaces::new(&lit.shapes).with_level(level)
-        } else {
-            objects
-        };
+        let surfaces =
+            if has_lamps { Surfaces::new(&lit.shapes).with_level(level) } else { objects };
         let world = (quantisation, &surfaces);
         let (grid, digest) = tiled_grid(description, &bodies, world, report, stage)?;
         return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });

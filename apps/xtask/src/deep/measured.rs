@@ -14,7 +14,7 @@ pub(super) struct Film {
     means: Vec<f64>,
     variances: Vec<f64>,
     samples: f64,
-    /// Processor seconds of one sample, and of what came before the picture but for the making of the snow.
+    /// Processor seconds of one sample, and of what was learnt and measured of light before the picture.
     pub(super) seconds_per_sample: f64,
     pub(super) learning_seconds: f64,
 }
@@ -35,7 +35,7 @@ impl Film {
             variances: film.pixels().iter().map(|pixel| third(pixel.variance_of_mean())).collect(),
             samples: number("samples_per_pixel")?,
             seconds_per_sample: number("render_cpu_seconds")? / number("samples")?,
-            learning_seconds: number("build_cpu_seconds")?,
+            learning_seconds: number("learning_cpu_seconds")?,
         })
     }
 

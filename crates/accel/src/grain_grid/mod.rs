@@ -11,6 +11,7 @@
 
 mod block;
 mod build;
+mod cell_bits;
 mod inside;
 mod interior;
 mod lattice_cells;
@@ -19,13 +20,14 @@ mod packing;
 mod parts;
 mod shapes;
 mod sites;
-mod tiles;
+mod sizes;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
-pub use interior::{Interior, SizesPerVolume};
+pub use interior::Interior;
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
@@ -33,8 +35,9 @@ pub use packing::Packing;
 pub use parts::{GrainParts, PartReader};
 pub use shapes::ShapedGrains;
 pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
-pub use tiles::{Extent, TiledGrains, tile_divisor};
 pub(crate) use sites::{LatticeSites, SiteKind};
+pub use sizes::SizesPerVolume;
+pub use tiles::{Extent, TiledGrains, tile_divisor};
 
 use crate::strata::BlockStrata;
 use crate::{STRATA, Surfaces};

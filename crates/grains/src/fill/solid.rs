@@ -102,8 +102,7 @@ impl Solid {
     /// What of a box lies inside, where it is sure: where no triangle is near, all of it does or none.
     pub(super) fn extent(&self, around: &Aabb) -> Extent {
         let is_near = |triangle: u32| {
-            let [a, b, c] =
-                self.triangles[triangle as usize].map(|v| self.positions[v as usize]);
+            let [a, b, c] = self.triangles[triangle as usize].map(|v| self.positions[v as usize]);
             let (low, high) = (a.min(b).min(c), a.max(b).max(c));
             low.cmple(around.max).all() && high.cmpge(around.min).all()
         };

@@ -80,7 +80,8 @@ impl PlanImage {
     /// The least and the greatest value over a box, or wider bounds.
     fn range(&self, around: &Aabb) -> [f64; 2] {
         let [x0, z0, x1, z1] = self.area;
-        let inside = around.min.x >= x0 && around.max.x <= x1 && around.min.z >= z0 && around.max.z <= z1;
+        let inside =
+            around.min.x >= x0 && around.max.x <= x1 && around.min.z >= z0 && around.max.z <= z1;
         let pixels = |low: f64, high: f64, (from, to): (f64, f64), count: usize| {
             let at = |place: f64| {
                 let pixel = (place - from) / (to - from) * count as f64 - 0.5;

@@ -173,7 +173,7 @@ impl<'a> TiledFill<'a> {
 
 impl Body {
     /// What of a box, metres, lies inside: told only where it is sure.
-    fn extent(&self, around: &Aabb) -> Extent {
+    pub(super) fn extent(&self, around: &Aabb) -> Extent {
         let bounds = self.bounds();
         let apart = around.max.cmplt(bounds.min).any() || around.min.cmpgt(bounds.max).any();
         if apart {
@@ -181,7 +181,8 @@ impl Body {
         }
         match self {
             Self::Box(bounds) => {
-                let inside = around.min.cmpge(bounds.min).all() && around.max.cmplt(bounds.max).all();
+                let inside =
+                    around.min.cmpge(bounds.min).all() && around.max.cmplt(bounds.max).all();
                 if inside { Extent::Whole } else { Extent::Part }
             }
             Self::Solid(solid) => solid.extent(around),

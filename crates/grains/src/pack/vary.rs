@@ -12,11 +12,24 @@ use snowgrain_math::sampler::{PathKey, numbers};
 
 /// Variants of a pack, with itself.
 pub const VARIANTS: usize = 4;
-/// Depth below the faces, in largest radii, in which all variants are the same: a grain that reaches beyond a face
-/// and whatever it may overlap.
-const FRAME: f64 = 4.0;
+/// Depth below the faces, in largest radii, in which grains stay where they are, so that all variants are the same where grains
+/// reach beyond a face: to half of it.
+const FRAME: f64 = 2.0;
 /// What tells the random numbers of the ways by which variants are moved from others.
 const MOVED: u64 = 0x7a11_ed01;
+
+/// Of the spheres from number `first` on, those that still overlap others: one of each pair.
+fn crowded(spheres: &Spheres, first: usize) -> Vec<bool> {
+    let near = spheres.neighbours(0.0);
+    let mut crowded = vec![false; spheres.centers.len()];
+    for (a, near) in near.iter().enumerate().skip(first) {
+        crowded[a] = near.iter().map(|&other| other as usize).any(|b| {
+            let depth = spheres.radii[a] + spheres.radii[b] - spheres.distance(a, b);
+            depth > 2.0 * GAP && (b < first || (b < a && !crowded[b]))
+        });
+    }
+    crowded.split_off(first)
+}
 
 impl PeriodicPack {
     /// The grains of the pack and of its variants; in each, those of the frame come first. Packs that are too dense for
@@ -43,7 +56,7 @@ impl PeriodicPack {
                 let grain = QuantisedGrain { center: at.map(|c| c as i32), ..*grain };
                 self.is_inner(at).then_some(grain)
             });
-            variants.extend(self.joined(&frame, moved.collect()));
+            variants.push(self.joined(&frame, moved.collect()));
         }
         variants
     }
@@ -57,12 +70,8 @@ impl PeriodicPack {
         (0..3).all(|axis| (frame..self.period[axis] - frame).contains(&center[axis]))
     }
 
-    /// A frame and what lies in it, pushed apart; `None` where overlaps are left.
-    fn joined(
-        &self,
-        frame: &[QuantisedGrain],
-        inner: Vec<QuantisedGrain>,
-    ) -> Option<Vec<QuantisedGrain>> {
+    /// A frame and what lies in it, pushed apart.
+    fn joined(&self, frame: &[QuantisedGrain], inner: Vec<QuantisedGrain>) -> Vec<QuantisedGrain> {
         let all = || frame.iter().chain(&inner);
         let mut spheres = Spheres {
             centers: all().map(|g| DVec3::from_array(g.center.map(f64::from))).collect(),
@@ -75,25 +84,27 @@ impl PeriodicPack {
         };
         let mut moves: Vec<bool> = spheres.centers.iter().map(is_near).collect();
         moves[..frame.len()].fill(false);
-        let left = spheres.relax(&moves, TOLERANCE);
+        spheres.relax(&moves, TOLERANCE);
         spheres.attach(TOUCH, frame.len());
-        if left > 2.0 * GAP {
-            return None;
-        }
+        let is_crowded = crowded(&spheres, frame.len());
         let placed = |(grain, center): (&QuantisedGrain, &DVec3)| {
             let center = center.to_array().map(|c| c.round() as i64);
             let center: [i64; 3] =
                 std::array::from_fn(|axis| center[axis].rem_euclid(self.period[axis]));
             QuantisedGrain { center: center.map(|c| c as i32), ..*grain }
         };
-        let joined: Vec<QuantisedGrain> = all().zip(&spheres.centers).map(placed).collect();
-        // What was pushed into the frame would differ there between the variants.
-        let stays = joined[frame.len()..].iter().all(|g| {
-            let frame = self.frame() / 4 * 3;
-            (0..3).all(|axis| {
-                (frame..self.period[axis] - frame).contains(&i64::from(g.center[axis]))
-            })
-        });
-        stays.then_some(joined)
+        // The few that were pushed into the frame would differ there between the variants.
+        let frame_of_all = self.frame() / 2 + 2;
+        let stays = |(grain, crowded): &(&QuantisedGrain, bool)| {
+            !crowded
+                && (0..3).all(|axis| {
+                    let at = i64::from(grain.center[axis]);
+                    (frame_of_all..self.period[axis] - frame_of_all).contains(&at)
+                })
+        };
+        let placed = all().zip(&spheres.centers).map(placed).collect::<Vec<_>>();
+        let (outer, inner) = placed.split_at(frame.len());
+        let inner = inner.iter().zip(is_crowded).filter(stays).map(|(grain, _)| grain);
+        outer.iter().chain(inner).copied().collect()
     }
 }

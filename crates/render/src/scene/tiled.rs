@@ -55,7 +55,8 @@ pub(super) fn tiled_grid(
         return Err(failed(fault));
     }
     if grid.grains() == 0 {
-        let reason = "holds no grain: it is smaller than a few of them, or lies beside its pictures";
+        let reason =
+            "holds no grain: it is smaller than a few of them, or lies beside its pictures";
         let source = snowgrain_grains::GrainsError::Setting { key: "body", reason: reason.into() };
         return Err(failed(source));
     }

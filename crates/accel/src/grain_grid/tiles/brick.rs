@@ -90,11 +90,7 @@ fn for_bricks(
 }
 
 /// Which grains of a tile overlap others: two that do reach into one cell together.
-fn overlapping(
-    layout: &Layout<'_>,
-    bricks: &[Vec<(u32, Reaching)>],
-    grains: usize,
-) -> Vec<bool> {
+fn overlapping(layout: &Layout<'_>, bricks: &[Vec<(u32, Reaching)>], grains: usize) -> Vec<bool> {
     let mut overlapping = vec![false; grains];
     let mut cells: Vec<Vec<usize>> = vec![Vec::new(); CELLS_PER_BRICK];
     for brick in bricks {

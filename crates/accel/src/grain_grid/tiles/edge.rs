@@ -68,7 +68,8 @@ impl Shared {
     /// Whether a brick shows this.
     fn is(&self, (number, first): (u32, usize), contents: &Contents) -> bool {
         let (from, shift) = (self.of_tiles, first - self.of_tiles);
-        let same = |(mine, &theirs): (&CellEntry, &CellEntry)| *mine == shifted(theirs, from, shift);
+        let same =
+            |(mine, &theirs): (&CellEntry, &CellEntry)| *mine == shifted(theirs, from, shift);
         self.blocks[first..].starts_with(&contents.blocks)
             && self.brick(number).iter().zip(&contents.entries).all(same)
     }
@@ -143,8 +144,9 @@ pub(super) fn filling(
     let corner: [i64; 3] =
         std::array::from_fn(|axis| tiled.corner[axis] + brick[axis] * layout.edge(axis));
     let reach = layout.largest + i64::from(PAD);
-    let centers =
-        std::array::from_fn(|axis| [corner[axis] - reach, corner[axis] + layout.edge(axis) + reach]);
+    let centers = std::array::from_fn(|axis| {
+        [corner[axis] - reach, corner[axis] + layout.edge(axis) + reach]
+    });
     let extent = (tiled.extent)(centers);
     let crossing = Crossing { layout, corner };
     let is_near_surface = crossing.is_near();

@@ -35,7 +35,8 @@ pub enum Extent {
 #[derive(Clone, Copy)]
 pub struct TiledGrains<'a> {
     /// Of each variant of the tile the grains whose centres lie in it, from its low corner: `0..period`. Grains
-    /// nearer to a face of the tile than three of the largest radii are the same in all variants, and come first.
+    /// that reach a face of the tile are the same in all variants and come first, and grains that overlap others, where there are
+    /// any, are at least three of the largest radii from all faces or the same, too.
     pub variants: &'a [&'a [QuantisedGrain]],
     /// Edges of the tile: multiples of [`tile_divisor`].
     pub period: [i64; 3],
@@ -139,9 +140,7 @@ impl GrainGrid {
         let count = PackedCells::count_bricks(counts)?;
         let mut table = pages::zeroed::<u32>(count);
         let mut grains = 0;
-        for (first, table) in
-            (0..).step_by(BRICKS_AT_ONCE).zip(table.chunks_mut(BRICKS_AT_ONCE))
-        {
+        for (first, table) in (0..).step_by(BRICKS_AT_ONCE).zip(table.chunks_mut(BRICKS_AT_ONCE)) {
             let fillings: Result<Vec<Filling>, GridError> = (first..first + table.len())
                 .into_par_iter()
                 .map(|number| {
@@ -180,11 +179,7 @@ impl GrainGrid {
 }
 
 /// Edges of the cells: of those that divide a tile into bricks, the nearest to what the packing wants.
-fn sides(
-    tiled: &TiledGrains<'_>,
-    packing: Packing,
-    margin: i32,
-) -> Result<[i32; 3], GridError> {
+fn sides(tiled: &TiledGrains<'_>, packing: Packing, margin: i32) -> Result<[i32; 3], GridError> {
     let count: usize = tiled.variants.iter().map(|grains| grains.len()).sum();
     let cubes = tiled.variants.iter().flat_map(|grains| grains.iter());
     let cubes: u64 = cubes.map(|grain| u64::from(grain.radius).pow(3)).sum();
@@ -193,8 +188,7 @@ fn sides(
     }
     let radius = snowgrain_math::trig::cbrt(cubes as f64 / count as f64).max(1.0);
     let volume = tiled.period.iter().map(|&edge| edge as f64).product::<f64>();
-    let wanted =
-        packing.cell_side(radius, count as f64 / (volume * tiled.variants.len() as f64));
+    let wanted = packing.cell_side(radius, count as f64 / (volume * tiled.variants.len() as f64));
     let longest = f64::from(longest_side(margin));
     let mut sides = [0; 3];
     for (side, &period) in sides.iter_mut().zip(&tiled.period) {

@@ -98,17 +98,13 @@ fn check(Snow { grid, grains }: &Snow) -> Vec<Vec<u16>> {
         })
     };
     let mut listed = 0;
-    for cell in (0..nz)
-        .flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
-    {
+    for cell in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
         let entry = grid.entry(cell);
         let range = if entry.first_block() == 0 { 0..0 } else { entry.blocks() };
         let mut found: Vec<([u16; 3], u16)> = Vec::new();
         for block in &grid.blocks[range] {
             let slots = (0..GRAINS_PER_BLOCK).filter(|&slot| block.radius[slot] != 0);
-            found.extend(
-                slots.map(|s| ([block.x[s], block.y[s], block.z[s]], block.radius[s])),
-            );
+            found.extend(slots.map(|s| ([block.x[s], block.y[s], block.z[s]], block.radius[s])));
         }
         listed += found.len();
         for (index, grain) in grains.iter().enumerate() {
@@ -159,9 +155,7 @@ fn surfaces_are_told_to_cells_and_grains() {
         assert!(gap < f64::from(grain.radius) + 4.0 || met == 0, "none that is far from it");
     }
     let [nx, ny, nz] = snow.grid.cells;
-    for cell in (0..nz)
-        .flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
-    {
+    for cell in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
         let Aabb { min, max } = snow.grid.cell_box(cell, cell.map(|c| c + 1));
         let crossed = min.y <= height && height <= max.y;
         assert!(!crossed || snow.grid.entry(cell).has_surface(), "{cell:?}");
@@ -193,9 +187,7 @@ fn threads_do_not_show() {
     let (one, many) = (on(1), on(5));
     assert!(one.blocks == many.blocks);
     let [nx, ny, nz] = one.cells;
-    for cell in (0..nz)
-        .flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
-    {
+    for cell in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))) {
         assert_eq!(one.entry(cell), many.entry(cell));
     }
 }

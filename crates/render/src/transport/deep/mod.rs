@@ -16,7 +16,9 @@
 
 mod field;
 mod learn;
+mod levels;
 mod outcome;
+mod samples;
 mod scale;
 
 pub use field::OutcomeField;

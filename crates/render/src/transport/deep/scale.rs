@@ -50,9 +50,7 @@ impl Scale {
             }
             let asymmetry = match shape {
                 None => sphere::asymmetry(Dielectric { eta: world.eta }),
-                Some(shape) => {
-                    scattering(shape, world.eta, 1, (PATHS, SEED), level).asymmetry.mean
-                }
+                Some(shape) => scattering(shape, world.eta, 1, (PATHS, SEED), level).asymmetry.mean,
             };
             extinction += shadow;
             forward += shadow * asymmetry;
