@@ -5,6 +5,7 @@ use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
 use crate::transport::deep::DeepSettings;
+use crate::transport::medium::MediumKind;
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
@@ -292,10 +293,12 @@ impl SceneDescription {
             .any(|body| self.shapes_of(body).is_some() || self.snow[body].has_shapes())
     }
 
-    /// Whether a picture is rendered with the arrivals of light at grains noted.
+    /// Whether a picture is rendered with the arrivals of light at grains noted, or something else asks for each grain.
     #[must_use]
     pub fn notes_visits(&self) -> bool {
-        self.light_finding != LightFinding::Exact || self.deep.is_some()
+        self.light_finding != LightFinding::Exact
+            || self.deep.is_some()
+            || self.integrator != IntegratorKind::Grains
     }
 
     /// How far grains of a body of snow may reach, in their radii.
@@ -346,6 +349,8 @@ pub enum IntegratorKind {
     /// Every grain is met.
     #[default]
     Grains,
+    /// Grains are met at random in a smoothed density ([`crate::transport::medium`]).
+    Medium(MediumKind),
 }
 
 /// How light is found by paths among grains.

@@ -5,12 +5,13 @@ mod quantisation;
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
-use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{IntegratorKind, LightFinding, ObjectShape, SceneDescription, SnowDescription};
 use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
 use crate::transport::deep::OutcomeField;
+use crate::transport::medium::Medium;
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
@@ -103,6 +104,8 @@ pub struct Scene {
     pub search: Option<LightSearch>,
     /// What light from deep in the snow brings; `None` where it is followed to its end.
     pub outcomes: Option<OutcomeField>,
+    /// The medium that stands for the grains, where one does.
+    pub medium: Option<Medium>,
     /// The same and the colours of each band of wavelengths, where grains disperse light; else empty.
     pub bands: Vec<BandOptics>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
@@ -173,9 +176,16 @@ impl Scene {
         if description.camera.projection.finds_focus() {
             camera = camera.focused_on_surface(&world, level);
         }
-        let search = match description.light_finding {
-            LightFinding::Exact => None,
-            LightFinding::Sampled(settings) => {
+        let medium = match description.integrator {
+            IntegratorKind::Grains => None,
+            IntegratorKind::Medium(kind) => {
+                let looks = description.light_finding != LightFinding::Exact;
+                Medium::new(kind, (&world, &lit.shapes), (&lights, looks))
+            }
+        };
+        let search = match (description.light_finding, description.integrator) {
+            (LightFinding::Exact, _) | (_, IntegratorKind::Medium(_)) => None,
+            (LightFinding::Sampled(settings), IntegratorKind::Grains) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
                 let search =
@@ -208,6 +218,7 @@ impl Scene {
             bands: bands_of(description, &grade, search.as_ref()),
             search,
             outcomes,
+            medium,
             catchers_alone,
             light_layers,
             glint_layer,
@@ -233,6 +244,11 @@ impl Scene {
             Some(band) => (&band.colours, &band.strata_colours),
             None => (&self.colours, &self.strata_colours),
         }
+    }
+
+    /// Whether the light of paths is told by what was found on the way.
+    pub(crate) fn finds_on_the_way(&self) -> bool {
+        self.search.is_some() || self.outcomes.is_some() || self.medium.is_some()
     }
 
     /// Whether a ray of the camera may start in ice, as far as boxes tell.

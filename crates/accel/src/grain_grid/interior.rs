@@ -183,7 +183,7 @@ impl GrainGrid {
     }
 
     /// Every cell that holds anything, and perhaps some that do not.
-    fn for_each_cell(&self, mut tell: impl FnMut([i32; 3], CellEntry)) {
+    pub(super) fn for_each_cell(&self, mut tell: impl FnMut([i32; 3], CellEntry)) {
         let mut tell_box =
             |low: [i32; 3], high: [i32; 3], entry: &dyn Fn([i32; 3]) -> CellEntry| {
                 for z in low[2]..high[2] {

@@ -11,6 +11,7 @@
 
 mod block;
 mod build;
+mod each;
 mod inside;
 mod interior;
 mod lattice_cells;

@@ -310,7 +310,8 @@ pub enum ShapeKind {
 #[derive(Clone, Debug, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (every grain is met); default "grains".
+    /// "grains" (every grain is met), or for comparison "volume" (volume path tracing) or "proxy" (spheres that are met at
+    /// random), see docs/roads.md; default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
     /// (suns, lamps and maps are looked for at every grain and surface: far less noise, and right within what
@@ -382,4 +383,8 @@ pub enum IntegratorName {
     /// Exact.
     #[default]
     Grains,
+    /// Points in a smoothed density.
+    Volume,
+    /// Spheres in a smoothed density.
+    Proxy,
 }

@@ -3,6 +3,7 @@
 mod camera;
 mod checks;
 mod deep;
+mod roads;
 mod import;
 mod lights;
 mod objects;
@@ -20,6 +21,7 @@ use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_optics::{Impurity, MeasuredSubstance, Primaries};
+use snowgrain_render::transport::medium::MediumKind;
 use snowgrain_render::description::{
     DirectView, FilmDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
     Packing, Sampler, SceneDescription, Surface,
@@ -126,6 +128,8 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     }
     let integrator = match file.document.integrator.kind {
         IntegratorName::Grains => IntegratorKind::Grains,
+        IntegratorName::Volume => IntegratorKind::Medium(MediumKind::Volume),
+        IntegratorName::Proxy => IntegratorKind::Medium(MediumKind::Proxy),
     };
     let packing = file.document.integrator.packing.map(|name| match name {
         PackingName::Fast => Packing::Fast,
@@ -148,6 +152,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         packing,
     };
     deep::refuse_unmeasured(&checks, &scene)?;
+    roads::refuse_beyond(&checks, &scene)?;
     Ok(scene)
 }
 

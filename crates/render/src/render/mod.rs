@@ -18,6 +18,7 @@ mod tile_sums;
 
 use crate::statistics::Statistics;
 use crate::transport::deep::Deep;
+use crate::transport::medium::trace_in_medium;
 use crate::transport::seek::Seeker;
 use crate::transport::trace_with;
 use crate::{RenderError, Scene};
@@ -221,7 +222,11 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            let Scene { world, camera, outcomes, .. } = self.scene;
+            let Scene { world, camera, outcomes, medium, .. } = self.scene;
+            if let Some(medium) = medium {
+                trace_in_medium(world, medium, &mut stream);
+                return stream.flush();
+            }
             let level = self.settings.level;
             loop {
                 let (eta, search) = self.scene.optics_of(stream.band());
