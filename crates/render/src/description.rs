@@ -5,7 +5,7 @@ use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
 use crate::transport::deep::DeepSettings;
-use crate::transport::medium::MediumKind;
+use crate::transport::medium::{MediumKind, ProxyStart};
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
@@ -344,13 +344,15 @@ impl SnowDescription {
 }
 
 /// The closed set of integrators.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum IntegratorKind {
     /// Every grain is met.
     #[default]
     Grains,
     /// Grains are met at random in a smoothed density ([`crate::transport::medium`]).
     Medium(MediumKind),
+    /// Every grain is met, but deep in the snow they are met at random.
+    ProxyInDepth(ProxyStart),
 }
 
 /// How light is found by paths among grains.

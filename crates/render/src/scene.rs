@@ -11,7 +11,7 @@ use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::Material;
 use crate::transport::deep::OutcomeField;
-use crate::transport::medium::Medium;
+use crate::transport::medium::{Medium, ProxyInDepth};
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
@@ -106,6 +106,8 @@ pub struct Scene {
     pub outcomes: Option<OutcomeField>,
     /// The medium that stands for the grains, where one does.
     pub medium: Option<Medium>,
+    /// Where grains are met at random instead, deep in the snow.
+    pub proxy: Option<ProxyInDepth>,
     /// The same and the colours of each band of wavelengths, where grains disperse light; else empty.
     pub bands: Vec<BandOptics>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
@@ -177,15 +179,24 @@ impl Scene {
             camera = camera.focused_on_surface(&world, level);
         }
         let medium = match description.integrator {
-            IntegratorKind::Grains => None,
+            IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_) => None,
             IntegratorKind::Medium(kind) => {
                 let looks = description.light_finding != LightFinding::Exact;
                 Medium::new(kind, (&world, &lit.shapes), (&lights, looks))
             }
         };
+        let proxy = match description.integrator {
+            IntegratorKind::Grains | IntegratorKind::Medium(_) => None,
+            IntegratorKind::ProxyInDepth(start) => {
+                ProxyInDepth::new((&world, &lit.shapes), &lights, &start)
+            }
+        };
         let search = match (description.light_finding, description.integrator) {
             (LightFinding::Exact, _) | (_, IntegratorKind::Medium(_)) => None,
-            (LightFinding::Sampled(settings), IntegratorKind::Grains) => {
+            (
+                LightFinding::Sampled(settings),
+                IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_),
+            ) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
                 let search =
@@ -219,6 +230,7 @@ impl Scene {
             search,
             outcomes,
             medium,
+            proxy,
             catchers_alone,
             light_layers,
             glint_layer,

@@ -7,7 +7,7 @@ use crate::description::{
 };
 use crate::surface::Reflectance;
 use crate::transport::deep::DeepSettings;
-use crate::transport::medium::MediumKind;
+use crate::transport::medium::{MediumKind, ProxyStart};
 use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, TriangleMesh};
 use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
@@ -137,6 +137,11 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
         IntegratorKind::Grains => {}
         IntegratorKind::Medium(MediumKind::Volume) => hash.tag("volume"),
         IntegratorKind::Medium(MediumKind::Proxy) => hash.tag("proxy"),
+        IntegratorKind::ProxyInDepth(ProxyStart { after_grains, depth }) => {
+            hash.tag("proxy in depth");
+            hash.words(&[after_grains]);
+            hash.doubles(&[depth]);
+        }
     }
     if let Some(deep) = scene.deep {
         hash.tag("deep");

@@ -127,7 +127,9 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         return Err(checks.missing("snow", "the scene is empty; add [[snow]] or [[object]]"));
     }
     let integrator = match file.document.integrator.kind {
-        IntegratorName::Grains => IntegratorKind::Grains,
+        IntegratorName::Grains => {
+            deep::proxy(&checks)?.map_or(IntegratorKind::Grains, IntegratorKind::ProxyInDepth)
+        }
         IntegratorName::Volume => IntegratorKind::Medium(MediumKind::Volume),
         IntegratorName::Proxy => IntegratorKind::Medium(MediumKind::Proxy),
     };
@@ -237,6 +239,9 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.light_finding = LightFinding::Exact;
     scene.deep = None;
+    if let IntegratorKind::ProxyInDepth(_) = scene.integrator {
+        scene.integrator = IntegratorKind::Grains;
+    }
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.surface = Surface::diffuse([1.0; 3]);

@@ -222,7 +222,7 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            let Scene { world, camera, outcomes, medium, .. } = self.scene;
+            let Scene { world, camera, outcomes, medium, proxy, .. } = self.scene;
             if let Some(medium) = medium {
                 trace_in_medium(world, medium, &mut stream);
                 return stream.flush();
@@ -233,6 +233,7 @@ impl<'a> Rendering<'a> {
                 let seeker = search.map(|search| Seeker::new(world, camera, search, level));
                 // Learnt by light of the middle index: deep in the snow it makes no difference.
                 let deep = outcomes.as_ref().map(Deep::HandOver);
+                let deep = deep.or_else(|| proxy.as_ref().map(Deep::Proxy));
                 trace_with((world, eta), level, (seeker, deep), &mut stream);
                 if !stream.turn_to_next_band() {
                     break;

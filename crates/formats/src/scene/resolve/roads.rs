@@ -2,7 +2,10 @@
 
 use super::checks::Checks;
 use crate::scene::SceneError;
-use snowgrain_render::description::{DirectView, IntegratorKind, SceneDescription};
+use crate::scene::document::DeepName;
+use snowgrain_render::description::{
+    DirectView, IntegratorKind, LightFinding, SceneDescription,
+};
 use snowgrain_render::transport::medium::MediumKind;
 
 /// Refuses what a scene asks of a road that it cannot do.
@@ -10,23 +13,47 @@ pub(super) fn refuse_beyond(
     checks: &Checks<'_>,
     scene: &SceneDescription,
 ) -> Result<(), SceneError> {
-    let IntegratorKind::Medium(kind) = scene.integrator else { return Ok(()) };
+    let (kind, volume) = match scene.integrator {
+        IntegratorKind::Grains => return Ok(()),
+        IntegratorKind::ProxyInDepth(_) => return refuse_proxy(checks, scene),
+        IntegratorKind::Medium(kind) => (kind, kind == MediumKind::Volume),
+    };
+    let deep = checks.document().integrator.deep != DeepName::Exact;
     let catches = scene.objects.iter().any(|o| o.direct_view == DirectView::ShadowCatcher);
     let cases = [
-        (scene.deep.is_some(), "follows all light to its end; leave integrator.deep out"),
-        (scene.has_shapes(), "knows spheres alone, and some grains have shapes"),
-        (!scene.strata.loads.is_empty(), "does not tell the impurities of one snow from another's"),
+        (deep, "follows all light to its end; leave integrator.deep out"),
+        (scene.has_shapes(), SPHERES),
+        (!scene.strata.loads.is_empty(), STRATA),
         (scene.ice.disperses, "knows no dispersion; leave material.dispersion out"),
         (catches, "shows no shadow catchers"),
         (
-            kind == MediumKind::Volume && scene.ice.eta() <= 1.0,
+            volume && scene.ice.eta() <= 1.0,
             "refracts by grains that are denser than what is between them",
         ),
     ];
-    match cases.into_iter().find(|(beyond, _)| *beyond) {
-        None => Ok(()),
-        Some((_, why)) => {
-            Err(checks.bad("integrator.kind", format!("this road {why}; or use \"grains\"")))
-        }
-    }
+    let why = cases.into_iter().find(|(beyond, _)| *beyond);
+    let name = match kind {
+        MediumKind::Volume => "volume",
+        MediumKind::Proxy => "proxy",
+    };
+    why.map_or(Ok(()), |(_, why)| {
+        Err(checks.bad("integrator.kind", format!("\"{name}\" {why}; or use \"grains\"")))
+    })
+}
+
+const SPHERES: &str = "knows spheres alone, and some grains have shapes";
+const STRATA: &str = "does not tell the impurities of one snow from another's";
+
+/// Refuses what light that goes on as the proxy cannot do.
+fn refuse_proxy(checks: &Checks<'_>, scene: &SceneDescription) -> Result<(), SceneError> {
+    let cases = [
+        (
+            scene.light_finding != LightFinding::Exact,
+            "looks for no light: suns, lamps and maps need \"learnt\" or \"exact\"",
+        ),
+        (scene.has_shapes(), SPHERES),
+        (!scene.strata.loads.is_empty(), STRATA),
+    ];
+    let why = cases.into_iter().find(|(beyond, _)| *beyond);
+    why.map_or(Ok(()), |(_, why)| Err(checks.bad("integrator.deep", format!("\"proxy\" {why}"))))
 }

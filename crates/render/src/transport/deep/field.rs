@@ -12,7 +12,7 @@ use snowgrain_math::DVec3;
 
 /// Transport length over the mean distance between grains along a straight line, 1 / (1 - g_eff), for spheres of ice (11.6 mm
 /// at 275 kg/m^3 and r = .5 mm).
-const TRANSPORT_LENGTH: f64 = 5.2;
+pub(in super::super) const TRANSPORT_LENGTH: f64 = 5.2;
 
 /// How far ahead of an arrival what it brings is booked, in the same mean distances: a transport length less
 /// about one, since the next grain is met at once. By it the error after four grains at half a transport length is least: 0 %,

@@ -115,13 +115,7 @@ impl Density {
         let floor = at.floor();
         let part = at - floor;
         let node = |axis: usize, upper: bool| {
-            let index = floor[axis] as i64 + i64::from(upper);
-            let count = self.nodes[axis] as i64;
-            let within = match self.repeats[axis] {
-                true => index.rem_euclid(count),
-                false => index.clamp(0, count - 1),
-            };
-            within as usize
+            self.wrapped(floor[axis] as i64 + i64::from(upper), axis)
         };
         std::array::from_fn(|corner| {
             let upper = [0, 1, 2].map(|axis: usize| corner >> axis & 1 == 1);
@@ -144,9 +138,26 @@ impl Density {
         matter
     }
 
-    /// What values at the nodes are on average at a point within the bounds.
-    pub(super) fn mean_of(&self, values: &[f32], point: DVec3) -> f64 {
-        self.around(point).iter().map(|&(node, weight)| weight * f64::from(values[node])).sum()
+    /// One of the eight nodes around a point within the bounds, as likely as its weight; a uniform number, of which eight
+    /// bits serve each axis.
+    pub(super) fn node_near(&self, point: DVec3, random: f64) -> usize {
+        let bits = (random * f64::from(1u32 << 24)) as u32;
+        let at = (point - self.low) / self.edges;
+        let index = |axis: usize| {
+            let part = (f64::from(bits >> (8 * axis) & 0xff) + 0.5) / 256.0;
+            self.wrapped((at[axis] + part).floor() as i64, axis)
+        };
+        (index(2) * self.nodes[1] + index(1)) * self.nodes[0] + index(0)
+    }
+
+    /// A node's number along an axis: within the grid.
+    fn wrapped(&self, index: i64, axis: usize) -> usize {
+        let count = self.nodes[axis] as i64;
+        let within = match self.repeats[axis] {
+            true => index.rem_euclid(count),
+            false => index.clamp(0, count - 1),
+        };
+        within as usize
     }
 
     /// The steepest way out of the snow at a point, by differences over half a cell; not of unit length.
@@ -167,6 +178,12 @@ impl Density {
             solid: f64::from(solid),
         };
         self.values.iter().map(matter)
+    }
+
+    /// Volume of a cell, cubic metres.
+    #[cfg(test)]
+    pub(super) fn volume_of_cell(&self) -> f64 {
+        self.edges.to_array().iter().product()
     }
 
     /// Memory, bytes.

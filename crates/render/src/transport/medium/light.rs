@@ -56,7 +56,12 @@ impl SearchNumbers {
 
 impl MediumPath<'_> {
     /// Looks for light at a grain that is met at `position` by a path that is still to be turned.
-    pub(super) fn look_at_grain(&mut self, position: DVec3, direction: DVec3, radius: f64) {
+    pub(super) fn look_at_grain(
+        &mut self,
+        position: DVec3,
+        direction: DVec3,
+        (radius, grains): (f64, f64),
+    ) {
         let Some(small) = &self.medium.small else { return };
         self.looked = true;
         let mut random = SearchNumbers::new(self.key, self.event);
@@ -71,7 +76,8 @@ impl MediumPath<'_> {
             return;
         }
         let weight = density / sample.pdf;
-        self.book(position + through, None, &sample, ([1.0; 3], weight), length * radius, random);
+        let ice = length * radius * grains;
+        self.book((position + through, None), &sample, ([1.0; 3], weight), ice, random);
     }
 
     /// Looks for light at a surface; a smooth one has no way to it, and light is then met by chance.
@@ -91,15 +97,14 @@ impl MediumPath<'_> {
         let (colour, value) = scatterer.value(sample.direction);
         if value > 0.0 {
             let weight = (colour, value / sample.pdf);
-            self.book(position, Some(surface), &sample, weight, 0.0, random);
+            self.book((position, Some(surface)), &sample, weight, 0.0, random);
         }
     }
 
     /// Books light that was drawn where neither a surface nor a grain is in its way.
     fn book(
         &mut self,
-        from: DVec3,
-        excluded: Option<SurfaceId>,
+        (from, excluded): (DVec3, Option<SurfaceId>),
         sample: &LightSample,
         (colour, weight): ([f32; 3], f64),
         more_ice: f64,
@@ -114,11 +119,7 @@ impl MediumPath<'_> {
                 return;
             }
         }
-        let two = || {
-            let [u, v, _] = random.next();
-            [u, v]
-        };
-        if self.medium.free_flight(&ray, sample.distance, two).is_some() {
+        if self.medium.free_flight(&ray, sample.distance, || random.next()).is_some() {
             return;
         }
         let factor: [f64; 3] = std::array::from_fn(|c| {

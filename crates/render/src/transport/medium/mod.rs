@@ -7,26 +7,30 @@
 //!   and refract light by the phase function of Bohren and Barkstrom ([`snowgrain_optics::BohrenBarkstrom`]); any number of
 //!   times.
 //! - *Proxy*: between grains a path is free for the mean chord of the void, 4 r (1 - phi) / (3 phi), then strikes a sphere at a random
-//!   place of its disc and goes on from where the closed form lets it out, so that grains take room. One number for each solid
-//!   fraction is measured ([`CALIBRATION`]).
+//!   place of its disc and goes on from where the closed form lets it out, so that grains take room. What real grains differ by, in
+//!   chords and in grains met, is measured for each solid fraction ([`CALIBRATION`]).
 //!
 //! Surfaces are met as ever. Lights are found where a path escapes; small ones are looked for at every grain and rough surface.
 
+mod calibration;
 mod density;
+mod depth;
 mod light;
 mod scattering;
 mod walk;
 
+pub use calibration::{CALIBRATION, Calibration};
+pub use depth::{ProxyInDepth, ProxyStart};
 pub(crate) use walk::trace_in_medium;
 
-use crate::light::Lights;
+use crate::light::{Lights, LitSurfaces};
 use crate::surface::Place;
 use crate::world::World;
 use density::{Density, Matter};
 use light::SmallLights;
 use scattering::Scattering;
 use snowgrain_accel::SurfaceShape;
-use snowgrain_math::{DAffine3, DVec3, Ray, trig};
+use snowgrain_math::{Aabb, DAffine3, DVec3, Ray, trig};
 
 /// How a path goes through the medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,10 +41,6 @@ pub enum MediumKind {
     Proxy,
 }
 
-/// By how much more often than chords of the void tell a path of the proxy meets a grain, less one, over the solid fraction: so that
-/// it visits as many grains as light does. Measured by `cargo xtask roads`: see docs/roads.md.
-pub const CALIBRATION: f64 = 0.11;
-
 /// Greatest solid fraction: where grains overlap, their volumes may add to more than there is room.
 const MOST_SOLID: f64 = 0.9;
 
@@ -48,8 +48,8 @@ const MOST_SOLID: f64 = 0.9;
 #[derive(Clone, Debug)]
 pub struct Medium {
     density: Density,
-    /// Grains met by length, 1/m: at each node of the density, and the most of them.
-    extinction: Vec<f32>,
+    /// Meetings by length, 1/m, and grains that each stands for: at each node of the density; and the most meetings.
+    meetings: Vec<[f32; 2]>,
     most: f64,
     scattering: Scattering,
     lights: Lights,
@@ -65,14 +65,25 @@ impl Medium {
         (world, shapes): (&World, &[(SurfaceShape, DAffine3)]),
         (lights, looks): (&Lights, bool),
     ) -> Option<Self> {
+        Self::calibrated(kind, (world, shapes), (lights, looks), &CALIBRATION)
+    }
+
+    /// As [`Self::new`], with what real grains differ by from spheres met at random: by solid fraction, in rising order.
+    #[must_use]
+    pub fn calibrated(
+        kind: MediumKind,
+        (world, shapes): (&World, &[(SurfaceShape, DAffine3)]),
+        (lights, looks): (&Lights, bool),
+        calibration: &[Calibration],
+    ) -> Option<Self> {
         let places: Vec<Place> = shapes.iter().map(Place::new).collect();
         let density = Density::new(&world.grid, &world.surfaces, &places)?;
-        let extinction: Vec<f32> =
-            density.nodes().map(|matter| extinction(kind, matter) as f32).collect();
-        let most = extinction.iter().copied().fold(0.0, f32::max);
+        let at_node = |matter| meetings(kind, matter, calibration).map(|value| value as f32);
+        let meetings: Vec<[f32; 2]> = density.nodes().map(at_node).collect();
+        let most = meetings.iter().map(|meetings| meetings[0]).fold(0.0, f32::max);
         Some(Self {
             density,
-            extinction,
+            meetings,
             most: f64::from(most),
             scattering: Scattering::new(kind, world.eta),
             lights: lights.clone(),
@@ -80,30 +91,45 @@ impl Medium {
         })
     }
 
+    /// The spheres of a world without surfaces, to be measured: in the dark.
+    #[must_use]
+    pub fn in_the_dark(
+        kind: MediumKind,
+        world: &World,
+        calibration: &[Calibration],
+    ) -> Option<Self> {
+        let nothing = LitSurfaces::new(Vec::new(), &[]);
+        let dark = Lights::new(&[], &nothing, [0.0; 3], &Aabb::EMPTY);
+        Self::calibrated(kind, (world, &[]), (&dark, false), calibration)
+    }
+
     /// Memory, bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.density.memory_bytes() + size_of_val(self.extinction.as_slice()) as u64
+        self.density.memory_bytes() + size_of_val(self.meetings.as_slice()) as u64
     }
 
-    /// Where a ray meets a grain before `far`, metres; `random` gives uniform numbers (tracking by the greatest
-    /// extinction: Woodcock et al. 1965).
+    /// Where a ray meets a grain before `far`, metres, and how many grains it stands for; `random` gives uniform numbers.
+    ///
+    /// Tracking by the greatest extinction (Woodcock et al. 1965), at one node drawn by its weight instead of the mean of
+    /// eight: it accepts as often.
     fn free_flight(
         &self,
         ray: &Ray,
         far: f64,
-        mut random: impl FnMut() -> [f64; 2],
-    ) -> Option<f64> {
+        mut random: impl FnMut() -> [f64; 3],
+    ) -> Option<(f64, f64)> {
         let (mut t, end) = self.density.bounds.intersect(ray)?;
         let end = end.min(far);
         loop {
-            let [length, chance] = random();
+            let [length, chance, node] = random();
             t -= trig::ln(1.0 - length) / self.most;
             if t >= end {
                 return None;
             }
-            if chance * self.most < self.density.mean_of(&self.extinction, ray.at(t)) {
-                return Some(t);
+            let [meetings, grains] = self.meetings[self.density.node_near(ray.at(t), node)];
+            if chance * self.most < f64::from(meetings) {
+                return Some((t, f64::from(grains)));
             }
         }
     }
@@ -114,13 +140,14 @@ impl Medium {
     }
 }
 
-/// Grains met by length, 1/m.
-fn extinction(kind: MediumKind, matter: Matter) -> f64 {
+/// Meetings by length, 1/m, and grains that each stands for.
+fn meetings(kind: MediumKind, matter: Matter, calibration: &[Calibration]) -> [f64; 2] {
     match kind {
-        MediumKind::Volume => matter.area,
+        MediumKind::Volume => [matter.area, 1.0],
         MediumKind::Proxy => {
             let solid = matter.solid.min(MOST_SOLID);
-            matter.area * (1.0 + CALIBRATION * solid) / (1.0 - solid)
+            let Calibration { chord, grains, .. } = Calibration::at(calibration, solid);
+            [matter.area / ((1.0 - solid) * chord), grains]
         }
     }
 }

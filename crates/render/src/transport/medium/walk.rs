@@ -76,14 +76,11 @@ impl MediumPath<'_> {
                 false => surfaces.intersect(&ray, f64::INFINITY, excluded),
             };
             let far = hit.map_or(f64::INFINITY, |hit| hit.t);
-            let met = medium.free_flight(&ray, far, || {
-                let [u, v, _] = self.random();
-                [u, v]
-            });
+            let met = medium.free_flight(&ray, far, || self.random());
             let next = match (met, hit) {
-                (Some(t), _) => {
+                (Some((t, grains)), _) => {
                     self.air_length += t;
-                    self.meet_grain(Ray::new(ray.at(t), ray.direction))
+                    self.meet_grain(Ray::new(ray.at(t), ray.direction), grains)
                 }
                 (None, Some(hit)) => {
                     self.air_length += hit.t;
@@ -99,23 +96,29 @@ impl MediumPath<'_> {
     }
 
     /// A grain lets the path out elsewhere; where a surface lies between, it is met there.
-    fn meet_grain(&mut self, arrival: Ray) -> Result<(Ray, Option<SurfaceId>), PathEnd> {
+    fn meet_grain(
+        &mut self,
+        arrival: Ray,
+        grains: f64,
+    ) -> Result<(Ray, Option<SurfaceId>), PathEnd> {
         let Ray { origin: position, direction } = arrival;
         let radius = self.medium.matter(position).radius();
-        self.look_at_grain(position, direction, radius);
+        self.look_at_grain(position, direction, (radius, grains));
         let [a, b, c] = self.random();
-        let [turn, ..] = self.random();
+        let [turn, count, _] = self.random();
         let passage = self.medium.scattering.sample(direction, [a, b, c, turn]);
         self.note_first_grain(position, direction, &passage);
-        self.grain_visits += 1;
+        // A whole number of them, right on average.
+        self.grain_visits += (grains + count).floor() as u32;
+        let ice = passage.length * radius * grains;
         let through = passage.displacement * radius;
         let length = through.length();
         if let Some(hit) = self.surface_within(position, through) {
-            self.ice_length += passage.length * radius * hit.t / length;
+            self.ice_length += ice * hit.t / length;
             let along = through / length;
             return self.meet_surface(&hit, Ray::new(position + along * hit.t, along));
         }
-        self.ice_length += passage.length * radius;
+        self.ice_length += ice;
         Ok((Ray::new(position + through, passage.direction), None))
     }
 
