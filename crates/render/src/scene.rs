@@ -9,7 +9,7 @@ use crate::description::{IntegratorKind, LightFinding, ObjectShape, SceneDescrip
 use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
-use crate::surface::Material;
+use crate::surface::{Material, Place};
 use crate::transport::deep::OutcomeField;
 use crate::transport::medium::{Medium, ProxyInDepth};
 use crate::transport::seek::LightSearch;
@@ -182,7 +182,10 @@ impl Scene {
             IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_) => None,
             IntegratorKind::Medium(kind) => {
                 let looks = description.light_finding != LightFinding::Exact;
-                Medium::new(kind, (&world, &lit.shapes), (&lights, looks))
+                let medium = Medium::new(kind, (&world, &lit.shapes), (&lights, looks));
+                let places: Vec<Place> = lit.shapes.iter().map(Place::new).collect();
+                let ice = &grade.colours()[0];
+                medium.map(|medium| medium.glowing((&world, &places), ice, film.seed))
             }
         };
         let proxy = match description.integrator {

@@ -11,8 +11,9 @@ const RADIUS: f64 = 0.5e-3;
 const ETA: f64 = 1.31;
 /// kg/m^3.
 const DENSITIES: [f64; 4] = [150.0, 275.0, 400.0, 500.0];
-/// Of the slabs, radii.
-const DEPTH: f64 = 60.0;
+/// Depth of the slabs, radii, and seed: of those by which is calibrated, and of those by which that is judged.
+pub(super) const CALIBRATING: (f64, u64) = (60.0, 11);
+pub(super) const JUDGING: (f64, u64) = (35.0, 12);
 /// Times that the chord is mended.
 const STEPS: u32 = 3;
 
@@ -23,11 +24,11 @@ pub(super) struct Calibrated {
 }
 
 impl Calibrated {
-    pub(super) fn all(paths: u64) -> Result<Vec<Self>> {
+    pub(super) fn all(paths: u64, (depth, seed): (f64, u64)) -> Result<Vec<Self>> {
         let slab = |density| {
             let radii = Radii::Uniform { mean: RADIUS, variation: 0.0 };
-            let pack = PackSettings { radii, density, seed: 11 };
-            let slab = PackedSlab::new(&pack, (DEPTH * RADIUS, ETA), (paths, 29))?;
+            let pack = PackSettings { radii, density, seed };
+            let slab = PackedSlab::new(&pack, (depth * RADIUS, ETA), (paths, seed))?;
             let exact = measure_slab(&slab.world, &slab.settings);
             Ok(Self { slab, exact })
         };
@@ -103,7 +104,7 @@ impl Calibrated {
 /// Prints the table of the code.
 pub(super) fn print(paths: u64) -> Result<()> {
     println!("    Calibration {{ solid: 0.0, chord: 1.0, grains: 1.0 }},");
-    for slab in Calibrated::all(paths)? {
+    for slab in Calibrated::all(paths, CALIBRATING)? {
         let Calibration { solid, chord, grains } = slab.solve()?;
         println!(
             "    Calibration {{ solid: {solid:.3}, chord: {chord:.3}, grains: {grains:.3} }},"

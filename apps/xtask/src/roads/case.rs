@@ -18,11 +18,18 @@ pub(super) enum Road {
     ProxyInDepth,
     Proxy,
     Volume,
+    Dipole,
 }
 
 impl Road {
-    pub(super) const ALL: [Self; 5] =
-        [Self::Exact, Self::Learnt, Self::ProxyInDepth, Self::Proxy, Self::Volume];
+    pub(super) const ALL: [Self; 6] = [
+        Self::Exact,
+        Self::Learnt,
+        Self::ProxyInDepth,
+        Self::Proxy,
+        Self::Volume,
+        Self::Dipole,
+    ];
 
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -31,6 +38,7 @@ impl Road {
             Self::ProxyInDepth => "proxy in depth (P)",
             Self::Proxy => "proxy from the first grain",
             Self::Volume => "volume",
+            Self::Dipole => "dipole",
         }
     }
 
@@ -42,6 +50,7 @@ impl Road {
             Self::ProxyInDepth => "deep = \"proxy\"\n",
             Self::Proxy => "kind = \"proxy\"\n",
             Self::Volume => "kind = \"volume\"\n",
+            Self::Dipole => "kind = \"dipole\"\n",
         }
     }
 

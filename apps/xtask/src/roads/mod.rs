@@ -47,7 +47,7 @@ pub(crate) fn roads(options: &Options) -> Result<bool> {
     let mut report = String::from(INTRODUCTION);
     let mut passed = true;
     write!(report, "\n## Slabs\n\n{SLABS}{SLAB_HEADS}")?;
-    for slab in Calibrated::all(paths)? {
+    for slab in Calibrated::all(paths, calibrate::JUDGING)? {
         let row = slab.row()?;
         print!("{row}");
         report.push_str(&row);

@@ -310,8 +310,8 @@ pub enum ShapeKind {
 #[derive(Clone, Debug, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (every grain is met), or for comparison "volume" (volume path tracing) or "proxy" (spheres that are met at
-    /// random), see docs/roads.md; default "grains".
+    /// "grains" (every grain is met), or for comparison "volume" (volume path tracing) "proxy" (spheres that are met at
+    /// random) or "dipole" (diffusion below its surface), see docs/roads.md; default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
     /// (suns, lamps and maps are looked for at every grain and surface: far less noise, and right within what
@@ -390,4 +390,6 @@ pub enum IntegratorName {
     Volume,
     /// Spheres in a smoothed density.
     Proxy,
+    /// Diffusion from the surface of a smoothed density.
+    Dipole,
 }

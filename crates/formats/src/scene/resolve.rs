@@ -132,6 +132,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         }
         IntegratorName::Volume => IntegratorKind::Medium(MediumKind::Volume),
         IntegratorName::Proxy => IntegratorKind::Medium(MediumKind::Proxy),
+        IntegratorName::Dipole => IntegratorKind::Medium(MediumKind::Dipole),
     };
     let packing = file.document.integrator.packing.map(|name| match name {
         PackingName::Fast => Packing::Fast,

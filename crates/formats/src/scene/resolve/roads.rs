@@ -30,11 +30,16 @@ pub(super) fn refuse_beyond(
             volume && scene.ice.eta() <= 1.0,
             "refracts by grains that are denser than what is between them",
         ),
+        (
+            kind == MediumKind::Dipole && scene.film.keep_ice_paths,
+            "knows no lengths in ice; leave \"ice-paths\" out of film.keep",
+        ),
     ];
     let why = cases.into_iter().find(|(beyond, _)| *beyond);
     let name = match kind {
         MediumKind::Volume => "volume",
         MediumKind::Proxy => "proxy",
+        MediumKind::Dipole => "dipole",
     };
     why.map_or(Ok(()), |(_, why)| {
         Err(checks.bad("integrator.kind", format!("\"{name}\" {why}; or use \"grains\"")))

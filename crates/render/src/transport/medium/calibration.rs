@@ -15,10 +15,10 @@ pub struct Calibration {
 /// differ by.
 pub const CALIBRATION: [Calibration; 5] = [
     Calibration { solid: 0.0, chord: 1.0, grains: 1.0 },
-    Calibration { solid: 0.164, chord: 1.072, grains: 1.05 },
-    Calibration { solid: 0.300, chord: 1.15, grains: 1.1 },
-    Calibration { solid: 0.436, chord: 1.17, grains: 1.14 },
-    Calibration { solid: 0.545, chord: 1.34, grains: 1.2 },
+    Calibration { solid: 0.164, chord: 1.063, grains: 1.049 },
+    Calibration { solid: 0.300, chord: 1.143, grains: 1.108 },
+    Calibration { solid: 0.436, chord: 1.242, grains: 1.173 },
+    Calibration { solid: 0.545, chord: 1.372, grains: 1.218 },
 ];
 
 impl Calibration {

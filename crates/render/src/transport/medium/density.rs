@@ -180,6 +180,36 @@ impl Density {
         self.values.iter().map(matter)
     }
 
+    /// The shortest edge of a cell, metres.
+    pub(super) fn shortest_edge(&self) -> f64 {
+        self.edges.min_element()
+    }
+
+    /// Radius of grains of one size with the area and volume of all, metres.
+    pub(super) fn mean_radius(&self) -> f64 {
+        let all = self.nodes().fold(Matter::default(), |sum, matter| Matter {
+            area: sum.area + matter.area,
+            solid: sum.solid + matter.solid,
+        });
+        all.radius()
+    }
+
+    /// The corners of each cell, with the area there; of the cells between the first nodes and the last.
+    pub(super) fn cells(&self) -> impl Iterator<Item = [(DVec3, f64); 8]> + '_ {
+        let [nx, ny, nz] = self.nodes;
+        let cells = (0..nz - 1)
+            .flat_map(move |z| (0..ny - 1).flat_map(move |y| (0..nx - 1).map(move |x| [x, y, z])));
+        cells.map(move |cell| {
+            std::array::from_fn(|corner| {
+                let node: [usize; 3] = std::array::from_fn(|axis| cell[axis] + (corner >> axis & 1));
+                let [x, y, z] = node;
+                let place = DVec3::from_array(node.map(|index| index as f64));
+                let area = self.values[(z * ny + y) * nx + x][0];
+                (self.low + place * self.edges, f64::from(area))
+            })
+        })
+    }
+
     /// Volume of a cell, cubic metres.
     #[cfg(test)]
     pub(super) fn volume_of_cell(&self) -> f64 {
@@ -234,7 +264,7 @@ impl Density {
 
 /// Whether a point lies within a solid object, or below a surface that is open: what is first met straight
 /// above is met from within.
-fn is_within_solid(point: DVec3, surfaces: &Surfaces, places: &[Place]) -> bool {
+pub(super) fn is_within_solid(point: DVec3, surfaces: &Surfaces, places: &[Place]) -> bool {
     let up = Ray::new(point, DVec3::Y);
     surfaces.intersect(&up, f64::INFINITY, None).is_some_and(|hit| {
         let place = &places[hit.id.object as usize];

@@ -5,7 +5,7 @@
 //! nearby that does not: one grain is like another there.
 
 use super::scattering::Passage;
-use super::{Medium, MediumKind};
+use super::{Grains, Inside, Medium, MediumKind};
 use crate::transport::deep::TRANSPORT_LENGTH;
 use crate::light::Lights;
 use crate::world::World;
@@ -90,8 +90,12 @@ impl ProxyInDepth {
     ) -> Emerged {
         let direction = DVec3::from_array(visit.direction.map(f64::from)).normalize();
         let radius = f64::from(visit.radius) * world.grid.quantum();
+        let Inside::Grains(grains) = &self.medium.inside else {
+            unreachable!("the proxy meets grains")
+        };
         let mut deep = DeepPath {
             proxy: self,
+            grains,
             world,
             key,
             event: visit.event,
@@ -121,6 +125,7 @@ impl ProxyInDepth {
 /// A path between its arrival and its leaving.
 struct DeepPath<'a> {
     proxy: &'a ProxyInDepth,
+    grains: &'a Grains,
     world: &'a World,
     key: PathKey,
     event: u32,
@@ -138,7 +143,7 @@ impl DeepPath<'_> {
     fn scatter(&mut self, arrival: Ray, radius: f64, grains: f64) -> Ray {
         let [a, b, c] = self.random();
         let [turn, count, _] = self.random();
-        let scattering = &self.proxy.medium.scattering;
+        let scattering = &self.grains.scattering;
         let Passage { direction, displacement, length, .. } =
             scattering.sample(arrival.direction, [a, b, c, turn]);
         self.ice_length += length * radius * grains;
@@ -149,7 +154,8 @@ impl DeepPath<'_> {
     /// Where a path meets its next grain, with how many that stands for, or leaves the deep cells.
     fn fly(&mut self, ray: &Ray) -> (DVec3, Option<f64>) {
         let proxy = self.proxy;
-        let met = proxy.medium.free_flight(ray, f64::INFINITY, || self.random());
+        let grains = self.grains;
+        let met = proxy.medium.free_flight(grains, ray, f64::INFINITY, || self.random());
         let end = met.map_or(f64::INFINITY, |(t, _)| t);
         let mut t = 0.0;
         while t < end {

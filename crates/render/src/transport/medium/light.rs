@@ -1,10 +1,12 @@
 //! How lights are found in a medium: small ones are looked for, the others are met where a path escapes.
 
-use super::scattering::Passage;
+use super::scattering::{Passage, Scattering};
+use super::Inside;
 use super::walk::MediumPath;
 use crate::light::{LightSample, Lights};
 use crate::surface::Scatterer;
 use crate::transport::{Contribution, PathEnd};
+use core::f64::consts::PI;
 use snowgrain_accel::SurfaceId;
 use snowgrain_math::sampler::{PathKey, numbers, split_mix};
 use snowgrain_math::{DVec3, Ray};
@@ -60,14 +62,13 @@ impl MediumPath<'_> {
         &mut self,
         position: DVec3,
         direction: DVec3,
-        (radius, grains): (f64, f64),
+        (scattering, radius, grains): (&Scattering, f64, f64),
     ) {
         let Some(small) = &self.medium.small else { return };
         self.looked = true;
         let mut random = SearchNumbers::new(self.key, self.event);
         let Some(sample) = small.sought.sample(position, random.next()) else { return };
         let [which, place, _] = random.next();
-        let scattering = &self.medium.scattering;
         let towards = scattering.towards(direction, sample.direction, [which, place]);
         let Some((density, passage)) = towards else { return };
         let Passage { displacement, length, .. } = passage;
@@ -78,6 +79,19 @@ impl MediumPath<'_> {
         let weight = density / sample.pdf;
         let ice = length * radius * grains;
         self.book((position + through, None), &sample, ([1.0; 3], weight), ice, random);
+    }
+
+    /// Looks for light that falls on a point of the snow's surface; what is booked is the irradiance over pi.
+    pub(super) fn look_from_skin(&mut self, position: DVec3, normal: DVec3) {
+        let Some(small) = &self.medium.small else { return };
+        self.looked = true;
+        let mut random = SearchNumbers::new(self.key, self.event);
+        let Some(sample) = small.sought.sample(position, random.next()) else { return };
+        let cosine = normal.dot(sample.direction);
+        if cosine > 0.0 {
+            let weight = ([1.0; 3], cosine / (PI * sample.pdf));
+            self.book((position, None), &sample, weight, 0.0, random);
+        }
     }
 
     /// Looks for light at a surface; a smooth one has no way to it, and light is then met by chance.
@@ -119,7 +133,7 @@ impl MediumPath<'_> {
                 return;
             }
         }
-        if self.medium.free_flight(&ray, sample.distance, || random.next()).is_some() {
+        if !self.medium.is_open(&ray, sample.distance, || random.next()) {
             return;
         }
         let factor: [f64; 3] = std::array::from_fn(|c| {
@@ -143,6 +157,9 @@ impl MediumPath<'_> {
             (Some(_), false) | (None, _) => (&medium.lights, None),
         };
         let mut radiances = vec![[0.0; 3]; met.slots().len()];
+        if let (Some(place), Inside::Skin(_, Some(glow))) = (self.on_skin, &medium.inside) {
+            glow.add_radiances(place, &mut radiances);
+        }
         match *end {
             PathEnd::Escaped(_) if self.first_hit.is_none() => {}
             PathEnd::Escaped(ray) => met.add_radiances(ray.direction, &mut radiances),

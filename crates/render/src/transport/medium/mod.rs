@@ -1,6 +1,6 @@
 //! Snow as a medium: light that meets grains at random in a smoothed density, instead of the grains themselves.
 //!
-//! Two ways through it ([`MediumKind`]) are here to be compared with light that meets every grain, and to stand for it where that
+//! Three ways through it ([`MediumKind`]) are here to be compared with light that meets every grain, and to stand for it where that
 //! is exact enough:
 //!
 //! - *Volume*: what volume path tracing does with snow. Grains are points that are met after exponential lengths, sigma = 3 phi / (4 r),
@@ -10,13 +10,19 @@
 //!   place of its disc and goes on from where the closed form lets it out, so that grains take room. What real grains differ by, in
 //!   chords and in grains met, is measured for each solid fraction ([`CALIBRATION`]).
 //!
+//! - *Dipole*: what fast renderers do. The snow has the surface of the smoothed density, from where light that falls on it
+//!   diffuses (`dipole`).
+//!
 //! Surfaces are met as ever. Lights are found where a path escapes; small ones are looked for at every grain and rough surface.
 
 mod calibration;
 mod density;
 mod depth;
+mod dipole;
+mod irradiance;
 mod light;
 mod scattering;
+mod skin;
 mod walk;
 
 pub use calibration::{CALIBRATION, Calibration};
@@ -27,8 +33,10 @@ use crate::light::{Lights, LitSurfaces};
 use crate::surface::Place;
 use crate::world::World;
 use density::{Density, Matter};
+use dipole::Dipole;
 use light::SmallLights;
 use scattering::Scattering;
+use skin::SURFACE_LEVEL;
 use snowgrain_accel::SurfaceShape;
 use snowgrain_math::{Aabb, DAffine3, DVec3, Ray, trig};
 
@@ -39,19 +47,35 @@ pub enum MediumKind {
     Volume,
     /// From sphere to sphere.
     Proxy,
+    /// From the surface to the surface.
+    Dipole,
 }
 
 /// Greatest solid fraction: where grains overlap, their volumes may add to more than there is room.
 const MOST_SOLID: f64 = 0.9;
 
-/// The snow of a world as a medium, and how lights are found in it.
+/// What a path meets of the snow.
 #[derive(Clone, Debug)]
-pub struct Medium {
-    density: Density,
+enum Inside {
+    Grains(Grains),
+    /// Its surface, where the area of discs by volume is so large, and what leaves it.
+    Skin(f64, Option<Dipole>),
+}
+
+/// Grains that are met at random.
+#[derive(Clone, Debug)]
+struct Grains {
     /// Meetings by length, 1/m, and grains that each stands for: at each node of the density; and the most meetings.
     meetings: Vec<[f32; 2]>,
     most: f64,
     scattering: Scattering,
+}
+
+/// The snow of a world as a medium, and how lights are found in it.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    density: Density,
+    inside: Inside,
     lights: Lights,
     small: Option<SmallLights>,
 }
@@ -78,14 +102,13 @@ impl Medium {
     ) -> Option<Self> {
         let places: Vec<Place> = shapes.iter().map(Place::new).collect();
         let density = Density::new(&world.grid, &world.surfaces, &places)?;
-        let at_node = |matter| meetings(kind, matter, calibration).map(|value| value as f32);
-        let meetings: Vec<[f32; 2]> = density.nodes().map(at_node).collect();
-        let most = meetings.iter().map(|meetings| meetings[0]).fold(0.0, f32::max);
+        let inside = match Scattering::new(kind, world.eta) {
+            Some(scattering) => Inside::Grains(Grains::new(&density, scattering, calibration)),
+            None => Inside::Skin(SURFACE_LEVEL * world.grid.extinction(), None),
+        };
         Some(Self {
             density,
-            meetings,
-            most: f64::from(most),
-            scattering: Scattering::new(kind, world.eta),
+            inside,
             lights: lights.clone(),
             small: looks.then(|| SmallLights::of(lights)).flatten(),
         })
@@ -106,7 +129,19 @@ impl Medium {
     /// Memory, bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.density.memory_bytes() + size_of_val(self.meetings.as_slice()) as u64
+        self.density.memory_bytes()
+            + match &self.inside {
+                Inside::Grains(grains) => size_of_val(grains.meetings.as_slice()) as u64,
+                Inside::Skin(_, glow) => glow.as_ref().map_or(0, Dipole::memory_bytes),
+            }
+    }
+
+    /// Whether the snow lets a ray pass as far as this, metres; `random` gives uniform numbers.
+    fn is_open(&self, ray: &Ray, far: f64, random: impl FnMut() -> [f64; 3]) -> bool {
+        match &self.inside {
+            Inside::Grains(grains) => self.free_flight(grains, ray, far, random).is_none(),
+            Inside::Skin(level, _) => self.density.surface_on(ray, far, *level).is_none(),
+        }
     }
 
     /// Where a ray meets a grain before `far`, metres, and how many grains it stands for; `random` gives uniform numbers.
@@ -115,6 +150,7 @@ impl Medium {
     /// eight: it accepts as often.
     fn free_flight(
         &self,
+        grains: &Grains,
         ray: &Ray,
         far: f64,
         mut random: impl FnMut() -> [f64; 3],
@@ -123,13 +159,13 @@ impl Medium {
         let end = end.min(far);
         loop {
             let [length, chance, node] = random();
-            t -= trig::ln(1.0 - length) / self.most;
+            t -= trig::ln(1.0 - length) / grains.most;
             if t >= end {
                 return None;
             }
-            let [meetings, grains] = self.meetings[self.density.node_near(ray.at(t), node)];
-            if chance * self.most < f64::from(meetings) {
-                return Some((t, f64::from(grains)));
+            let [meetings, each] = grains.meetings[self.density.node_near(ray.at(t), node)];
+            if chance * grains.most < f64::from(meetings) {
+                return Some((t, f64::from(each)));
             }
         }
     }
@@ -140,11 +176,20 @@ impl Medium {
     }
 }
 
+impl Grains {
+    fn new(density: &Density, scattering: Scattering, calibration: &[Calibration]) -> Self {
+        let at_node = |matter| meetings(&scattering, matter, calibration).map(|value| value as f32);
+        let meetings: Vec<[f32; 2]> = density.nodes().map(at_node).collect();
+        let most = meetings.iter().map(|meetings| meetings[0]).fold(0.0, f32::max);
+        Self { meetings, most: f64::from(most), scattering }
+    }
+}
+
 /// Meetings by length, 1/m, and grains that each stands for.
-fn meetings(kind: MediumKind, matter: Matter, calibration: &[Calibration]) -> [f64; 2] {
-    match kind {
-        MediumKind::Volume => [matter.area, 1.0],
-        MediumKind::Proxy => {
+fn meetings(scattering: &Scattering, matter: Matter, calibration: &[Calibration]) -> [f64; 2] {
+    match scattering {
+        Scattering::Refracted(_) => [matter.area, 1.0],
+        Scattering::Sphere(_) => {
             let solid = matter.solid.min(MOST_SOLID);
             let Calibration { chord, grains, .. } = Calibration::at(calibration, solid);
             [matter.area / ((1.0 - solid) * chord), grains]

@@ -29,11 +29,13 @@ pub(super) struct Passage {
 }
 
 impl Scattering {
-    pub(super) fn new(kind: MediumKind, eta: f64) -> Self {
+    /// `None` where light meets no grains.
+    pub(super) fn new(kind: MediumKind, eta: f64) -> Option<Self> {
         let medium = Dielectric { eta };
         match kind {
-            MediumKind::Volume => Self::Refracted(BohrenBarkstrom::new(medium)),
-            MediumKind::Proxy => Self::Sphere(ScatterTable::for_air(medium)),
+            MediumKind::Volume => Some(Self::Refracted(BohrenBarkstrom::new(medium))),
+            MediumKind::Proxy => Some(Self::Sphere(ScatterTable::for_air(medium))),
+            MediumKind::Dipole => None,
         }
     }
 

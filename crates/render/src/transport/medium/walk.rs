@@ -1,7 +1,7 @@
 //! One path after another through a medium and off surfaces.
 
-use super::Medium;
 use super::scattering::Passage;
+use super::{Grains, Inside, Medium};
 use crate::World;
 use crate::description::DirectView;
 use crate::transport::{
@@ -21,20 +21,7 @@ pub(crate) fn trace_in_medium<Source: PathSource>(
     let mut found = Vec::new();
     while let Some(NewPath { tag, ray, key, event }) = source.next_path() {
         found.clear();
-        let mut path = MediumPath {
-            world,
-            medium,
-            key,
-            event,
-            throughput: [1.0; 3],
-            ice_length: 0.0,
-            air_length: 0.0,
-            grain_visits: 0,
-            surface_bounces: 0,
-            first_hit: None,
-            looked: false,
-            found: &mut found,
-        };
+        let mut path = MediumPath::new((world, medium), key, event, &mut found);
         let end = path.follow(ray);
         path.light_at_end(&end);
         let result = path.result(end);
@@ -57,17 +44,53 @@ pub(super) struct MediumPath<'a> {
     pub(super) first_hit: Option<FirstHit>,
     /// Whether small lights were looked for where it last was turned.
     pub(super) looked: bool,
+    /// Where it ended on the surface of the snow, if that shines.
+    pub(super) on_skin: Option<DVec3>,
     pub(super) found: &'a mut Vec<Contribution>,
 }
 
+/// What a path meets of the snow, and how far off.
+enum Met<'a> {
+    /// Grains, as many as a meeting stands for.
+    Grains(f64, f64, &'a Grains),
+    /// The surface of it all.
+    Skin(f64),
+}
+
+impl<'a> MediumPath<'a> {
+    /// A path that begins.
+    pub(super) fn new(
+        (world, medium): (&'a World, &'a Medium),
+        key: PathKey,
+        event: u32,
+        found: &'a mut Vec<Contribution>,
+    ) -> Self {
+        Self {
+            world,
+            medium,
+            key,
+            event,
+            throughput: [1.0; 3],
+            ice_length: 0.0,
+            air_length: 0.0,
+            grain_visits: 0,
+            surface_bounces: 0,
+            first_hit: None,
+            looked: false,
+            on_skin: None,
+            found,
+        }
+    }
+}
+
 impl MediumPath<'_> {
-    fn random(&mut self) -> [f64; 3] {
+    pub(super) fn random(&mut self) -> [f64; 3] {
         self.event += 1;
         numbers(self.key, self.event - 1).map(f64::from)
     }
 
     /// Follows it to its end.
-    fn follow(&mut self, mut ray: Ray) -> PathEnd {
+    pub(super) fn follow(&mut self, mut ray: Ray) -> PathEnd {
         let (medium, surfaces) = (self.medium, &self.world.surfaces);
         let mut excluded = None;
         loop {
@@ -76,11 +99,22 @@ impl MediumPath<'_> {
                 false => surfaces.intersect(&ray, f64::INFINITY, excluded),
             };
             let far = hit.map_or(f64::INFINITY, |hit| hit.t);
-            let met = medium.free_flight(&ray, far, || self.random());
+            let met = match &medium.inside {
+                Inside::Grains(grains) => medium
+                    .free_flight(grains, &ray, far, || self.random())
+                    .map(|(t, each)| Met::Grains(t, each, grains)),
+                Inside::Skin(level, _) => {
+                    medium.density.surface_on(&ray, far, *level).map(Met::Skin)
+                }
+            };
             let next = match (met, hit) {
-                (Some((t, grains)), _) => {
+                (Some(Met::Grains(t, each, grains)), _) => {
                     self.air_length += t;
-                    self.meet_grain(Ray::new(ray.at(t), ray.direction), grains)
+                    self.meet_grain(grains, Ray::new(ray.at(t), ray.direction), each)
+                }
+                (Some(Met::Skin(t)), _) => {
+                    self.meet_skin(ray.at(t), ray.direction);
+                    return PathEnd::Absorbed;
                 }
                 (None, Some(hit)) => {
                     self.air_length += hit.t;
@@ -98,19 +132,20 @@ impl MediumPath<'_> {
     /// A grain lets the path out elsewhere; where a surface lies between, it is met there.
     fn meet_grain(
         &mut self,
+        grains: &Grains,
         arrival: Ray,
-        grains: f64,
+        each: f64,
     ) -> Result<(Ray, Option<SurfaceId>), PathEnd> {
         let Ray { origin: position, direction } = arrival;
         let radius = self.medium.matter(position).radius();
-        self.look_at_grain(position, direction, (radius, grains));
+        self.look_at_grain(position, direction, (&grains.scattering, radius, each));
         let [a, b, c] = self.random();
         let [turn, count, _] = self.random();
-        let passage = self.medium.scattering.sample(direction, [a, b, c, turn]);
+        let passage = grains.scattering.sample(direction, [a, b, c, turn]);
         self.note_first_grain(position, direction, &passage);
         // A whole number of them, right on average.
-        self.grain_visits += (grains + count).floor() as u32;
-        let ice = passage.length * radius * grains;
+        self.grain_visits += (each + count).floor() as u32;
+        let ice = passage.length * radius * each;
         let through = passage.displacement * radius;
         let length = through.length();
         if let Some(hit) = self.surface_within(position, through) {
@@ -120,6 +155,17 @@ impl MediumPath<'_> {
         }
         self.ice_length += ice;
         Ok((Ray::new(position + through, passage.direction), None))
+    }
+
+    /// The surface of the snow ends a path with what comes out there.
+    fn meet_skin(&mut self, position: DVec3, direction: DVec3) {
+        let normal = self.medium.density.outwards(position).try_normalize();
+        if self.first_hit.is_none() && self.surface_bounces == 0 {
+            let normal = normal.unwrap_or(-direction);
+            let (albedo, is_shadow_catcher) = ([1.0; 3], false);
+            self.first_hit = Some(FirstHit { position, normal, albedo, is_shadow_catcher });
+        }
+        self.on_skin = Some(position);
     }
 
     fn note_first_grain(&mut self, position: DVec3, direction: DVec3, passage: &Passage) {
