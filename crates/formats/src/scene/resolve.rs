@@ -240,9 +240,6 @@ pub fn furnace(mut scene: SceneDescription) -> SceneDescription {
     scene.lights = vec![LightDescription::new(LightKind::Uniform, [1.0; 3])];
     scene.light_finding = LightFinding::Exact;
     scene.deep = None;
-    if let IntegratorKind::ProxyInDepth(_) = scene.integrator {
-        scene.integrator = IntegratorKind::Grains;
-    }
     scene.camera.backdrop = [1.0; 3];
     for object in &mut scene.objects {
         object.surface = Surface::diffuse([1.0; 3]);
