@@ -5,7 +5,9 @@ mod quantisation;
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
-use crate::description::{IntegratorKind, LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{
+    IntegratorKind, LightFinding, ObjectShape, SceneDescription, SnowDescription,
+};
 use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};

@@ -44,9 +44,9 @@ impl Calibrated {
     /// The chord by which as much light comes through, and the grains by which it visits as many.
     pub(super) fn solve(&self) -> Result<Calibration> {
         let solid = self.slab.solid_fraction;
-        let known = CALIBRATION.iter().min_by(|a, b| {
-            (a.solid - solid).abs().total_cmp(&(b.solid - solid).abs())
-        });
+        let known = CALIBRATION
+            .iter()
+            .min_by(|a, b| (a.solid - solid).abs().total_cmp(&(b.solid - solid).abs()));
         let mut calibration =
             Calibration { solid, grains: 1.0, ..*known.context("the table has entries")? };
         // The way that light takes to come through grows as one over the extinction: 1/T less about one.

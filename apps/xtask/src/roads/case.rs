@@ -22,14 +22,8 @@ pub(super) enum Road {
 }
 
 impl Road {
-    pub(super) const ALL: [Self; 6] = [
-        Self::Exact,
-        Self::Learnt,
-        Self::ProxyInDepth,
-        Self::Proxy,
-        Self::Volume,
-        Self::Dipole,
-    ];
+    pub(super) const ALL: [Self; 6] =
+        [Self::Exact, Self::Learnt, Self::ProxyInDepth, Self::Proxy, Self::Volume, Self::Dipole];
 
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -86,8 +80,8 @@ impl Light {
 
     fn samples(self, quick: bool) -> u32 {
         match (self, quick) {
-            (Self::Overcast, false) => 512,
-            (Self::SunAndSky, false) => 192,
+            (Self::Overcast, false) => 64,
+            (Self::SunAndSky, false) => 48,
             (_, true) => 16,
         }
     }
@@ -171,8 +165,9 @@ fn ball(radius: f64) -> String {
     let (rings, sides) = (24u32, 48u32);
     let mut text = String::new();
     let point = |ring: u32, side: u32| {
-        let (sin, cos) =
-            snowgrain_math::trig::sin_cos(core::f64::consts::PI * f64::from(ring) / f64::from(rings));
+        let (sin, cos) = snowgrain_math::trig::sin_cos(
+            core::f64::consts::PI * f64::from(ring) / f64::from(rings),
+        );
         let turn = core::f64::consts::TAU * f64::from(side) / f64::from(sides);
         let (along, across) = snowgrain_math::trig::sin_cos(turn);
         [radius * sin * across, radius * cos, radius * sin * along]

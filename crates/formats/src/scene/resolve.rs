@@ -3,10 +3,10 @@
 mod camera;
 mod checks;
 mod deep;
-mod roads;
 mod import;
 mod lights;
 mod objects;
+mod roads;
 mod shapes;
 mod snow;
 mod substance;
@@ -21,13 +21,13 @@ use checks::Checks;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_grains::GrainField;
 use snowgrain_optics::{Impurity, MeasuredSubstance, Primaries};
-use snowgrain_render::transport::medium::MediumKind;
 use snowgrain_render::description::{
     DirectView, FilmDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
     Packing, Sampler, SceneDescription, Surface,
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::surface::Texture;
+use snowgrain_render::transport::medium::MediumKind;
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -425,8 +425,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let grain_visits = visit.grain_visits + emerged.grain_visits;
         let events = visit.event - walker.start_event;
         let before = &mut walker.before;
-        before.ice_length +=
-            f64::from(visit.ice_length) * grid.quantum() + emerged.ice_length;
+        before.ice_length += f64::from(visit.ice_length) * grid.quantum() + emerged.ice_length;
         before.air_length += travelled.air_length;
         before.grain_visits += grain_visits;
         before.interface_events += events + 2 * (emerged.grain_visits + 1);

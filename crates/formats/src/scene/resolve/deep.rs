@@ -74,7 +74,7 @@ pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneErro
 }
 
 /// Indices of grains, relative to what is between them, of which the scale of the learnt field is known: ice in air.
-const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
+pub(super) const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
 
 /// Refuses to learn of grains that the scale of the learnt field is not known of: those with shapes (by the scale of spheres
 /// plates came out 1.8 % too dark), and those of other substances or in water, whose error was not measured.

@@ -114,9 +114,8 @@ impl Density {
         let at = (point - self.low) / self.edges;
         let floor = at.floor();
         let part = at - floor;
-        let node = |axis: usize, upper: bool| {
-            self.wrapped(floor[axis] as i64 + i64::from(upper), axis)
-        };
+        let node =
+            |axis: usize, upper: bool| self.wrapped(floor[axis] as i64 + i64::from(upper), axis);
         std::array::from_fn(|corner| {
             let upper = [0, 1, 2].map(|axis: usize| corner >> axis & 1 == 1);
             let weight: f64 = (0..3)
@@ -173,10 +172,8 @@ impl Density {
 
     /// All that nodes hold.
     pub(super) fn nodes(&self) -> impl Iterator<Item = Matter> + '_ {
-        let matter = |&[area, solid]: &[f32; 2]| Matter {
-            area: f64::from(area),
-            solid: f64::from(solid),
-        };
+        let matter =
+            |&[area, solid]: &[f32; 2]| Matter { area: f64::from(area), solid: f64::from(solid) };
         self.values.iter().map(matter)
     }
 
@@ -201,7 +198,8 @@ impl Density {
             .flat_map(move |z| (0..ny - 1).flat_map(move |y| (0..nx - 1).map(move |x| [x, y, z])));
         cells.map(move |cell| {
             std::array::from_fn(|corner| {
-                let node: [usize; 3] = std::array::from_fn(|axis| cell[axis] + (corner >> axis & 1));
+                let node: [usize; 3] =
+                    std::array::from_fn(|axis| cell[axis] + (corner >> axis & 1));
                 let [x, y, z] = node;
                 let place = DVec3::from_array(node.map(|index| index as f64));
                 let area = self.values[(z * ny + y) * nx + x][0];

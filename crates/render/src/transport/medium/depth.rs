@@ -6,8 +6,8 @@
 
 use super::scattering::Passage;
 use super::{Grains, Inside, Medium, MediumKind};
-use crate::transport::deep::TRANSPORT_LENGTH;
 use crate::light::Lights;
+use crate::transport::deep::TRANSPORT_LENGTH;
 use crate::world::World;
 use core::f64::consts::TAU;
 use snowgrain_accel::{GrainVisit, Interior, SurfaceShape};

@@ -1,7 +1,7 @@
 //! How lights are found in a medium: small ones are looked for, the others are met where a path escapes.
 
-use super::scattering::{Passage, Scattering};
 use super::Inside;
+use super::scattering::{Passage, Scattering};
 use super::walk::MediumPath;
 use crate::light::{LightSample, Lights};
 use crate::surface::Scatterer;
@@ -163,7 +163,8 @@ impl MediumPath<'_> {
         match *end {
             PathEnd::Escaped(_) if self.first_hit.is_none() => {}
             PathEnd::Escaped(ray) => met.add_radiances(ray.direction, &mut radiances),
-            PathEnd::Emitted { light, .. } if small.is_some_and(|small| small.is_sought[light]) => {}
+            PathEnd::Emitted { light, .. } if small.is_some_and(|small| small.is_sought[light]) => {
+            }
             PathEnd::Emitted { light, .. } => met.add_emission(light, &mut radiances),
             PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => {}
         }

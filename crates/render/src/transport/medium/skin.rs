@@ -80,7 +80,8 @@ impl Density {
 fn cut(corners: [(DVec3, f64); 4], level: f64) -> Vec<DVec3> {
     let (within, without): (Vec<_>, Vec<_>) =
         corners.into_iter().partition(|&(_, area)| area >= level);
-    let between = |a: (DVec3, f64), b: (DVec3, f64)| a.0 + (b.0 - a.0) * ((level - a.1) / (b.1 - a.1));
+    let between =
+        |a: (DVec3, f64), b: (DVec3, f64)| a.0 + (b.0 - a.0) * ((level - a.1) / (b.1 - a.1));
     match (within.as_slice(), without.as_slice()) {
         ([one], others) | (others, [one]) => others.iter().map(|&o| between(*one, o)).collect(),
         ([a, b], [c, d]) => {

@@ -175,8 +175,7 @@ impl MediumPath<'_> {
         let outwards = || self.medium.density.outwards(position).try_normalize();
         let normal = passage.normal.or_else(outwards).unwrap_or(-direction);
         let is_shadow_catcher = false;
-        self.first_hit =
-            Some(FirstHit { position, normal, albedo: [1.0; 3], is_shadow_catcher });
+        self.first_hit = Some(FirstHit { position, normal, albedo: [1.0; 3], is_shadow_catcher });
     }
 
     /// The surface that is met first on the way from a point by a vector.
@@ -247,8 +246,7 @@ impl MediumPath<'_> {
 
     fn see_first(&mut self, hit: &SurfaceHit, position: DVec3, albedo: [f32; 3]) {
         let is_shadow_catcher = false;
-        self.first_hit =
-            Some(FirstHit { position, normal: hit.normal, albedo, is_shadow_catcher });
+        self.first_hit = Some(FirstHit { position, normal: hit.normal, albedo, is_shadow_catcher });
     }
 
     /// Unbiased roulette over what surfaces have left.
