@@ -114,8 +114,9 @@ impl Density {
         let at = (point - self.low) / self.edges;
         let floor = at.floor();
         let part = at - floor;
-        let node =
-            |axis: usize, upper: bool| self.wrapped(floor[axis] as i64 + i64::from(upper), axis);
+        let node = |axis: usize, upper: bool| {
+            self.wrapped(floor[axis] as isize + isize::from(upper), axis)
+        };
         std::array::from_fn(|corner| {
             let upper = [0, 1, 2].map(|axis: usize| corner >> axis & 1 == 1);
             let weight: f64 = (0..3)
@@ -144,14 +145,14 @@ impl Density {
         let at = (point - self.low) / self.edges;
         let index = |axis: usize| {
             let part = (f64::from(bits >> (8 * axis) & 0xff) + 0.5) / 256.0;
-            self.wrapped((at[axis] + part).floor() as i64, axis)
+            self.wrapped((at[axis] + part).floor() as isize, axis)
         };
         (index(2) * self.nodes[1] + index(1)) * self.nodes[0] + index(0)
     }
 
     /// A node's number along an axis: within the grid.
-    fn wrapped(&self, index: i64, axis: usize) -> usize {
-        let count = self.nodes[axis] as i64;
+    fn wrapped(&self, index: isize, axis: usize) -> usize {
+        let count = self.nodes[axis].cast_signed();
         let within = match self.repeats[axis] {
             true => index.rem_euclid(count),
             false => index.clamp(0, count - 1),
