@@ -13,6 +13,7 @@
 //! ```
 
 pub mod band;
+pub mod bohren_barkstrom;
 pub mod clear_sky;
 pub mod colour;
 pub mod colour_temperature;
@@ -38,6 +39,7 @@ pub mod uplift;
 pub mod water;
 
 pub use band::{BANDS, Band};
+pub use bohren_barkstrom::BohrenBarkstrom;
 pub use clear_sky::SunZenith;
 pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;

@@ -2,8 +2,8 @@
 
 use crate::camera::Camera;
 use crate::description::{
-    DirectView, LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, Packing,
-    SceneDescription, SnowDescription,
+    DirectView, IntegratorKind, LightDescription, LightFinding, LightKind, ObjectDescription,
+    ObjectShape, Packing, SceneDescription, SnowDescription,
 };
 use crate::light::slots_of;
 use crate::scene;
@@ -83,6 +83,8 @@ const NOTED_PER_PATH: u64 = 16;
 const GRAINS_PER_LEARNT_CELL: u64 = 14;
 const BYTES_PER_LEARNT_CELL: u64 = 80;
 const BYTES_PER_OUTCOME: u64 = 52;
+/// Bytes a grain of the smoothed density that stands for it, while that is made.
+const BYTES_PER_SMOOTHED_GRAIN: u64 = 40;
 /// Pixels across and down that are asked whether they see the scene.
 const PROBES: u32 = 48;
 
@@ -167,6 +169,10 @@ impl CostEstimate {
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
         if let Some(deep) = description.deep.filter(|_| cost.grains > 0) {
             cost.add_deep(description, &deep);
+        }
+        if description.integrator != IntegratorKind::Grains {
+            let smoothed = cost.grains.saturating_mul(BYTES_PER_SMOOTHED_GRAIN);
+            cost.grain_bytes = cost.grain_bytes.saturating_add(smoothed);
         }
         if let LightFinding::Sampled(settings) = description.light_finding {
             cost.render_seconds *= SEARCHED_OVER_EXACT;

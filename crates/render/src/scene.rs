@@ -6,12 +6,15 @@ mod tiled;
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
-use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{
+    IntegratorKind, LightFinding, ObjectShape, SceneDescription, SnowDescription,
+};
 use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
-use crate::surface::Material;
+use crate::surface::{Material, Place};
 use crate::transport::deep::OutcomeField;
+use crate::transport::medium::{Medium, ProxyInDepth};
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
@@ -106,6 +109,10 @@ pub struct Scene {
     pub search: Option<LightSearch>,
     /// What light from deep in the snow brings; `None` where it is followed to its end.
     pub outcomes: Option<OutcomeField>,
+    /// The medium that stands for the grains, where one does.
+    pub medium: Option<Medium>,
+    /// Where grains are met at random instead, deep in the snow.
+    pub proxy: Option<ProxyInDepth>,
     /// The same and the colours of each band of wavelengths, where grains disperse light; else empty.
     pub bands: Vec<BandOptics>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
@@ -176,9 +183,28 @@ impl Scene {
         if description.camera.projection.finds_focus() {
             camera = camera.focused_on_surface(&world, level);
         }
-        let search = match description.light_finding {
-            LightFinding::Exact => None,
-            LightFinding::Sampled(settings) => {
+        let medium = match description.integrator {
+            IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_) => None,
+            IntegratorKind::Medium(kind) => {
+                let looks = description.light_finding != LightFinding::Exact;
+                let medium = Medium::new(kind, (&world, &lit.shapes), (&lights, looks));
+                let places: Vec<Place> = lit.shapes.iter().map(Place::new).collect();
+                let ice = &grade.colours()[0];
+                medium.map(|medium| medium.glowing((&world, &places), ice, film.seed))
+            }
+        };
+        let proxy = match description.integrator {
+            IntegratorKind::Grains | IntegratorKind::Medium(_) => None,
+            IntegratorKind::ProxyInDepth(start) => {
+                ProxyInDepth::new((&world, &lit.shapes), &lights, &start)
+            }
+        };
+        let search = match (description.light_finding, description.integrator) {
+            (LightFinding::Exact, _) | (_, IntegratorKind::Medium(_)) => None,
+            (
+                LightFinding::Sampled(settings),
+                IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_),
+            ) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
                 let search =
@@ -212,6 +238,8 @@ impl Scene {
             bands: bands_of(description, &grade, search.as_ref()),
             search,
             outcomes,
+            medium,
+            proxy,
             catchers_alone,
             light_layers,
             glint_layer,
@@ -237,6 +265,11 @@ impl Scene {
             Some(band) => (&band.colours, &band.strata_colours),
             None => (&self.colours, &self.strata_colours),
         }
+    }
+
+    /// Whether the light of paths is told by what was found on the way.
+    pub(crate) fn finds_on_the_way(&self) -> bool {
+        self.search.is_some() || self.outcomes.is_some() || self.medium.is_some()
     }
 
     /// Whether a ray of the camera may start in ice, as far as boxes tell.

@@ -2,11 +2,12 @@
 
 use crate::Strata;
 use crate::description::{
-    DirectView, Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape,
-    Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
+    DirectView, Focus, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
+    ObjectShape, Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
 use crate::surface::Reflectance;
 use crate::transport::deep::DeepSettings;
+use crate::transport::medium::{MediumKind, ProxyStart};
 use crate::transport::seek::Sought;
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh};
 use snowgrain_grains::{FieldShapes, FillSettings, GrainField, LatticeCell};
@@ -151,6 +152,17 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
                 settings.calibration_paths as u32,
                 (settings.calibration_paths >> 32) as u32,
             ]);
+        }
+    }
+    match scene.integrator {
+        IntegratorKind::Grains => {}
+        IntegratorKind::Medium(MediumKind::Volume) => hash.tag("volume"),
+        IntegratorKind::Medium(MediumKind::Proxy) => hash.tag("proxy"),
+        IntegratorKind::Medium(MediumKind::Dipole) => hash.tag("dipole"),
+        IntegratorKind::ProxyInDepth(ProxyStart { after_grains, depth }) => {
+            hash.tag("proxy in depth");
+            hash.words(&[after_grains]);
+            hash.doubles(&[depth]);
         }
     }
     if let Some(deep) = scene.deep {

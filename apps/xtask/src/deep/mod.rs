@@ -1,7 +1,7 @@
 //! `cargo xtask deep`: what light that ends deep in the snow is wrong by, and what it saves.
 
 mod case;
-mod measured;
+pub(crate) mod measured;
 
 use crate::program::Program;
 use anyhow::Result;

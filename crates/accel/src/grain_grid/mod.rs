@@ -12,6 +12,7 @@
 mod block;
 mod build;
 mod cell_bits;
+mod each;
 mod inside;
 mod interior;
 mod lattice_cells;

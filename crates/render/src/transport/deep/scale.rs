@@ -26,11 +26,11 @@ const SEED: u64 = 0x5ca1_e0f5;
 
 /// The scale of light in a snow, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Scale {
+pub(in super::super) struct Scale {
     /// Way on which light forgets its direction.
-    pub(super) transport_length: f64,
+    pub(in super::super) transport_length: f64,
     /// How far ahead of an arrival along its direction what it brings is booked.
-    pub(super) ahead: f64,
+    pub(in super::super) ahead: f64,
 }
 
 impl Scale {
@@ -40,7 +40,11 @@ impl Scale {
     /// The mean distance between grains along a straight line is the volume by the sum of their mean shadows, the
     /// asymmetry that of the shapes one by one (spheres in closed form, others traced), weighted with their
     /// shadows.
-    pub(super) fn of(world: &World, prototypes: &[Shape], level: SimdLevel) -> Option<Self> {
+    pub(in super::super) fn of(
+        world: &World,
+        prototypes: &[Shape],
+        level: SimdLevel,
+    ) -> Option<Self> {
         let (mut extinction, mut forward, mut filled) = (0.0, 0.0, 0.0);
         for (prototype, sizes) in world.grid.sizes_per_volume().into_iter().enumerate() {
             let shape = prototypes.get(prototype).filter(|shape| !shape.is_sphere());
