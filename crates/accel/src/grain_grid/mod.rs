@@ -11,6 +11,7 @@
 
 mod block;
 mod build;
+mod hull;
 mod inside;
 mod interior;
 mod lattice_cells;
@@ -19,6 +20,7 @@ mod packing;
 mod parts;
 mod shapes;
 mod sites;
+mod slabs;
 #[cfg(test)]
 mod tests;
 
@@ -33,6 +35,7 @@ pub use parts::{GrainParts, PartReader};
 pub use shapes::ShapedGrains;
 pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
 pub(crate) use sites::{LatticeSites, SiteKind};
+pub(crate) use slabs::{AXES, COS_30, ROUND, Slabs};
 
 use crate::strata::BlockStrata;
 use crate::{STRATA, Surfaces};
@@ -404,7 +407,7 @@ impl GrainGrid {
         surfaces: &Surfaces,
         packing: Packing,
     ) -> Result<Self, GridError> {
-        let around = build::Around { surfaces, strata: &[], words: &[] };
+        let around = build::Around { surfaces, strata: &[], words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, None, packing)
     }
 
@@ -424,7 +427,7 @@ impl GrainGrid {
         strata: &[u8],
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
-        let around = build::Around { surfaces, strata, words: &[] };
+        let around = build::Around { surfaces, strata, words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, None, packing)
     }
 
@@ -442,7 +445,7 @@ impl GrainGrid {
         packing: Packing,
     ) -> Result<Self, GridError> {
         let surfaces = Surfaces::default();
-        let around = build::Around { surfaces: &surfaces, strata: &[], words: &[] };
+        let around = build::Around { surfaces: &surfaces, strata: &[], words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
     }
 
@@ -462,7 +465,7 @@ impl GrainGrid {
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
         let surfaces = Surfaces::default();
-        let around = build::Around { surfaces: &surfaces, strata, words: &[] };
+        let around = build::Around { surfaces: &surfaces, strata, words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
     }
 
@@ -483,7 +486,8 @@ impl GrainGrid {
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
         let (spheres, words) = shapes::bounding(grains, shapes)?;
-        let around = build::Around { surfaces, strata, words: &words };
+        let hulls: Vec<_> = shapes.prototypes.iter().map(hull::Hull::new).collect();
+        let around = build::Around { surfaces, strata, words: &words, hulls: &hulls };
         let mut grid =
             build::build(quantisation, spheres.as_slice().into(), around, period_quanta, packing)?;
         if let Some(grid) = &mut grid.shapes {
