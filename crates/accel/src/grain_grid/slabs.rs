@@ -15,8 +15,8 @@ pub(crate) const COS_30: f64 = 0.866_025_403_784_438_6;
 const NORMALS: [DVec3; AXES] =
     [DVec3::Y, DVec3::new(COS_30, 0.0, 0.5), DVec3::Z, DVec3::new(-COS_30, 0.0, 0.5), DVec3::X];
 
-/// How far two unit normals of one face may differ: the rounding of their numbers.
-const SAME: f64 = 1e-14;
+/// How far two unit normals of one face may differ in each number, by rounding.
+const SAME: f64 = 4e-16;
 
 /// The number of the ellipsoid, where faces are `axis + 1`, and negative on the lower side.
 pub(crate) const ROUND: f64 = 6.0;
@@ -39,9 +39,12 @@ impl Slabs {
             Self { half: [f64::INFINITY; AXES], shrink: [0.0; 2], faces: [[0; 2]; AXES] };
         let mut known = [[false; 2]; AXES];
         for (index, &Face { normal, distance }) in body.faces.iter().enumerate() {
-            let is_along = |axis: &usize| (NORMALS[*axis].dot(normal).abs() - 1.0).abs() < SAME;
-            let axis = (0..AXES).find(is_along)?;
-            let side = usize::from(NORMALS[axis].dot(normal) < 0.0);
+            let is_along = |&(axis, side): &(usize, usize)| {
+                let outward = if side == 0 { NORMALS[axis] } else { -NORMALS[axis] };
+                (outward - normal).abs().max_element() <= SAME
+            };
+            let all = (0..AXES).flat_map(|axis| [(axis, 0), (axis, 1)]);
+            let (axis, side) = all.into_iter().find(is_along)?;
             if known[axis][side] || known[axis][1 - side] && slabs.half[axis] != distance {
                 return None;
             }
@@ -68,5 +71,28 @@ impl Slabs {
     pub(crate) fn face(&self, number: f64) -> u16 {
         let axis = (number.abs() as usize).saturating_sub(1).min(AXES - 1);
         self.faces[axis][usize::from(number < 0.0)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use snowgrain_geometry::{Shape, ShapeKind};
+
+    #[test]
+    fn prisms_cubes_and_spheroids_are_between_parallel_faces_and_others_are_not() {
+        let of = |kind| Slabs::of(&Shape::new(kind).expect("the shape is legal").parts()[0]);
+        for aspect in [0.05, 0.2, 1.0, 2.5] {
+            for rounding in [0.0, 0.3, 1.0] {
+                assert!(of(ShapeKind::HexagonalPrism { aspect, rounding }).is_some());
+                assert!(of(ShapeKind::Cube { rounding }).is_some());
+            }
+            assert!(of(ShapeKind::Spheroid { aspect }).is_some());
+        }
+        assert_eq!(of(ShapeKind::TruncatedOctahedron { rounding: 0.0 }), None);
+        assert_eq!(of(ShapeKind::RandomPolyhedron { faces: 8, seed: 1, rounding: 0.0 }), None);
+        let leaning = "polyhedron 6e-1 8e-1 0e0 1e0 -6e-1 -8e-1 0e0 1e0 0e0 0e0 1e0 1e0 0e0 0e0 -1e0 1e0 \
+                       8e-1 -6e-1 0e0 1e0 -8e-1 6e-1 0e0 1e0";
+        assert_eq!(Slabs::of(&Shape::of_name(leaning).expect("a cube").parts()[0]), None);
     }
 }

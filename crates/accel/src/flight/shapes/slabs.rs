@@ -298,3 +298,76 @@ impl<S: Simd> Interfaces<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::body::{self, ELLIPSOID, LocalRay};
+    use super::super::candidates::part_of;
+    use super::*;
+    use crate::SimdLevel;
+    use crate::grain_grid::{Part, Prototype, Slabs};
+    use fearless_simd::dispatch;
+    use snowgrain_geometry::{Shape, ShapeKind};
+    use snowgrain_math::DVec3;
+    use snowgrain_math::sampler::{PathKey, numbers};
+
+    /// Of eight rays of one body what the vectors and what `body` say.
+    fn compare<S: Simd>(simd: S, (part, slabs): (&Part, &Slabs), rays: &[LocalRay; WIDTH]) {
+        let axes = |vector: fn(&LocalRay) -> DVec3| {
+            std::array::from_fn(|axis| rays.each_ref().map(|ray| vector(ray)[axis]))
+        };
+        let (half, shrink) =
+            (slabs.half.map(|half| [half; WIDTH]), slabs.shrink.map(|shrink| [shrink; WIDTH]));
+        let bodies = Bodies::load(simd, (&half, &shrink), 0, (true, true));
+        let load = |axes: [[f64; WIDTH]; 3]| Vectors::load(simd, &axes, 0);
+        let (origin, direction) = (load(axes(|ray| ray.origin)), load(axes(|ray| ray.direction)));
+        let Within { enter, leave, by } = within(simd, &bodies, origin, direction);
+        let place = origin.plus(direction, enter);
+        let (length, through) = left(simd, &bodies, (place, direction), by);
+        let normal = normals(simd, &bodies, through, place.plus(direction, length));
+        for (i, ray) in rays.iter().enumerate() {
+            let expected = body::interval(part, ray);
+            assert_eq!(enter[i] < leave[i], expected.is_some(), "{ray:?}");
+            let Some([near, far]) = expected else { continue };
+            assert!((enter[i] - near).abs() < 1e-12 && (leave[i] - far).abs() < 1e-12);
+            let on = body::entered(part, ray, near);
+            assert_eq!(part_of(slabs, by[i]), on);
+            let inside = LocalRay { origin: ray.origin + ray.direction * near, ..*ray };
+            let (chord, out) = body::left(part, &inside, on);
+            assert_eq!(part_of(slabs, through[i]), out);
+            assert!((length[i] - chord).abs() < 1e-11);
+            let end = inside.origin + ray.direction * chord;
+            let expected = body::normal(part, out, end);
+            let found = DVec3::new(normal.0[i], normal.1[i], normal.2[i]);
+            assert!((found - expected).length() < 1e-10, "{found} {expected}");
+            assert!(out != ELLIPSOID || part.ellipsoid.is_some());
+        }
+    }
+
+    #[test]
+    fn eight_rays_are_told_what_one_is() {
+        for kind in [
+            ShapeKind::Cube { rounding: 0.0 },
+            ShapeKind::Cube { rounding: 0.6 },
+            ShapeKind::HexagonalPrism { aspect: 0.1, rounding: 0.0 },
+            ShapeKind::HexagonalPrism { aspect: 2.0, rounding: 0.3 },
+            ShapeKind::Spheroid { aspect: 0.5 },
+        ] {
+            let prototype = Prototype::new(&Shape::new(kind).expect("the shape is legal"));
+            let slabs = prototype.slabs.as_ref().expect("it lies between parallel faces");
+            for level in SimdLevel::available() {
+                let level = level.token().expect("the level is there");
+                for index in 0..300 {
+                    let ray = |at: usize| {
+                        let key = PathKey::new(1, index * WIDTH as u64 + at as u64, 0);
+                        let vector =
+                            |event| DVec3::from_array(numbers(key, event).map(f64::from)) - 0.5;
+                        LocalRay { origin: vector(0) * 6.0, direction: vector(1).normalize() }
+                    };
+                    let rays = std::array::from_fn(ray);
+                    dispatch!(level, simd => compare(simd, (&prototype.parts[0], slabs), &rays));
+                }
+            }
+        }
+    }
+}
