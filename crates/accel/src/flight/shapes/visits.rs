@@ -182,11 +182,11 @@ impl Visits {
         let random = self.random(simd);
         self.use_events(self.fresh);
         self.at_end = self.inside;
-        for half in 0..GROUP / WIDTH {
+        for (half, &random) in random.iter().enumerate() {
             let first = half * WIDTH;
             let lanes = [self.fresh, self.inside].map(|lanes| bits(lanes, first));
             if lanes != [0; 2] {
-                let entered = self.travel_eight(simd, (first, lanes), eta, random[half]);
+                let entered = self.travel_eight(simd, (first, lanes), eta, random);
                 self.at_end |= (entered.to_bitmask() as u32) << first;
             }
         }
@@ -199,11 +199,11 @@ impl Visits {
         let random = self.random(simd);
         let here = self.fresh | self.inside;
         let mut inside = 0;
-        for half in 0..GROUP / WIDTH {
+        for (half, &random) in random.iter().enumerate() {
             let first = half * WIDTH;
             let lanes = bits(self.at_end, first);
             if lanes != 0 {
-                let stays = self.turn_eight(simd, (first, lanes), eta, random[half]);
+                let stays = self.turn_eight(simd, (first, lanes), eta, random);
                 inside |= (stays.to_bitmask() as u32) << first;
             }
         }
