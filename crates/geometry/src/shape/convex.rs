@@ -160,6 +160,14 @@ impl ConvexBody {
         (0..self.faces.len()).map(|index| polygon(&self.faces, index, size)).collect()
     }
 
+    /// The corners that its planes have in common, without the ellipsoid, some of them several times; none where
+    /// there are no planes.
+    #[must_use]
+    pub fn corners(&self) -> Vec<DVec3> {
+        let far = self.faces.iter().map(|face| face.distance.abs()).fold(1.0, f64::max);
+        self.polygons(FARTHEST * far).into_iter().flatten().collect()
+    }
+
     /// The faces that show of a body without an ellipsoid; none where one rounds it.
     #[must_use]
     pub fn flat_faces(&self) -> Vec<FlatFace> {
