@@ -30,7 +30,7 @@ pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
     Brdf(Box<BrdfArguments>),
     Colour(Box<ColourArguments>),
-    Phase(PhaseArguments),
+    Phase(Box<PhaseArguments>),
     Profile(Box<ProfileArguments>),
     Spread(Box<SpreadArguments>),
     Wet(Box<super::WetArguments>),

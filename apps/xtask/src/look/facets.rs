@@ -12,11 +12,11 @@ use snowgrain_optics::Dielectric;
 const RADIUS: f64 = 0.5e-3;
 const SPACING: f64 = 8e-3;
 /// Grains along each side of the sheet.
-const SIDE: u32 = 220;
+const SIDE: u32 = 110;
 /// Height by width of the plates from corner to corner.
 const ASPECT: f64 = 0.2;
 /// The sun: degrees across, elevation and azimuth.
-const DIAMETER: f64 = 8.0;
+const DIAMETER: f64 = 16.0;
 const SUN: [f64; 2] = [40.0, 60.0];
 /// Towards the camera.
 const EYE: DVec3 = DVec3::new(0.0, 0.98, 0.9);
@@ -25,7 +25,9 @@ const INDEX: f64 = 1.31;
 const BLACK: f64 = 1e6;
 /// Edge of a pixel, metres, and pixels.
 const PIXEL: f64 = 0.75e-3;
-const PIXELS: [u32; 2] = [2400, 1800];
+const PIXELS: [u32; 2] = [1200, 900];
+/// Samples a pixel: some twenty fall on the least of faces, and hardly one on the image of the sun in a sphere.
+const SAMPLES: u32 = 64;
 /// Part of what a face shows above which a pixel belongs to a glint.
 const THRESHOLD: f64 = 0.1;
 /// How far the mean light of glints may be off.
@@ -49,13 +51,12 @@ pub(super) fn section(stage: &Stage) -> Result<Section> {
     let expected = 8.0 * plates * solid_angle / (16.0 * PI * half);
     let radiance = sun_radiance(stage, &mut section, sun)?;
     let face = Dielectric { eta: INDEX }.reflectance_from_outside(half) * radiance;
-    let samples = stage.choose(16, 4);
     let [glints, others] =
         [("facets", true), ("facets-spheres", false)].map(|(name, has_faces)| {
             let picture = stage.render(
                 &mut section,
                 (name, &scene(has_faces)),
-                &format!("--keep light-groups --spp {samples}"),
+                &format!("--keep light-groups --spp {SAMPLES}"),
             )?;
             Layer::of(&picture).map(|layer| (layer.glints(THRESHOLD * face), layer.greatest()))
         });

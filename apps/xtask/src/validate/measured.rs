@@ -42,7 +42,10 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
         section.say(format!("Fitted, {shapes}: r = {radius_um:.1} um{surface}."));
         let found = predict(bench, &mut section, &measured, (shapes, radius_um))?;
         compare(&mut section, (&measured, shapes), &found)?;
-        let file = format!("measured-{shapes}.svg");
+        let file = match shapes {
+            "spheres" => "measured.svg".to_owned(),
+            shapes => format!("measured-{shapes}.svg"),
+        };
         draw(bench, (&measured, shapes), &found, &file)?;
         section.figure(&file, &format!("Measured and predicted albedo of fresh snow, {shapes}"));
     }

@@ -31,8 +31,8 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
          et al. 2014 (J. Atmos. Sci. 71, 1763) to ray tracing by the program of Macke et al. 1996 \
          (`go_hexagonal_asymmetry.csv`; their g of ray tracing and diffraction is turned into that of ray tracing by \
          2 g - 1). The fit is a polynomial of the sixth \
-         degree in the logarithm of the aspect, and its ray tracing tracks polarisation, which raises g by up to \
-         .004 (here a mean reflectance is drawn anew at each interface): {PUBLISHED_TOLERANCE} is allowed. B of convex \
+         degree in the logarithm of the aspect, and its ray tracing tracks polarisation, which raises g, by .003 for a \
+         sphere (here a mean reflectance is drawn anew at each interface): {PUBLISHED_TOLERANCE} is allowed. B of convex \
          shapes is at most n^2."
     ));
     published(bench, &mut section)?;

@@ -29,7 +29,7 @@ impl GrainScattering {
     #[inline(always)]
     fn sample(&self, word: u32) -> Option<ScatteringSample> {
         let Self::Sampled(samples) = self else { return None };
-        Some(samples[(u64::from(word) * samples.len() as u64 >> 32) as usize])
+        Some(samples[((u64::from(word) * samples.len() as u64) >> 32) as usize])
     }
 }
 

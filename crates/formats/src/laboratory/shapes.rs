@@ -85,7 +85,7 @@ fn mixed(path: &Path, index: usize, table: &ShapeTable) -> Result<MixedShape, Fo
         return Err(at("orientation", reason));
     }
     let out_of_range = |error: GrainsError| match error.setting_and_reason() {
-        Some((key, reason)) => at(key, &reason),
+        Some((key, reason)) => at(key, reason),
         None => at("shape", &error.to_string()),
     };
     let kind = table.kind().map_err(|(key, mend)| at(key, mend))?;

@@ -115,7 +115,7 @@ impl ScatteringMix {
             until += mixed.fraction * mixed.shape.mean_projected_area() / (all * shadow);
             let end = (until * SAMPLES as f64).round() as usize;
             let wanted = end.min(SAMPLES).saturating_sub(light.len());
-            light.extend(samples_of(&mixed.shape, eta, wanted, self.seed ^ index << 32));
+            light.extend(samples_of(&mixed.shape, eta, wanted, self.seed ^ (index << 32)));
         }
         SampledGrain::new(&light, shadow / PI)
     }
