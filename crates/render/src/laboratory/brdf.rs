@@ -355,21 +355,22 @@ impl Seen<'_> {
     /// but for what they absorb of it.
     fn escape_from(&mut self, depth: f32) {
         let count = self.left.len();
-        for (escapes, slant) in self.escapes.chunks_exact_mut(count).zip(&self.search.slants) {
-            escapes.fill(trig::exp_f32(-depth / slant));
-        }
+        let slants = &self.search.slants;
         if !self.lets_through() {
+            for (escapes, slant) in self.escapes.chunks_exact_mut(count).zip(slants) {
+                escapes.fill(trig::exp_f32(-depth / slant));
+            }
             return;
         }
         for index in 0..count {
-            let (mut top, mut through) = (0.0, 0.0);
+            let (mut top, mut met) = (0.0, 0.0);
             for (phase, &bottom) in self.phases.iter().zip(self.bottoms) {
                 let here = f64::from(bottom.min(depth)) - top;
-                through += phase.straight()[index] * here.max(0.0);
+                met += (1.0 - phase.straight()[index]) * here.max(0.0);
                 top = f64::from(bottom);
             }
-            for (escapes, slant) in self.escapes.chunks_exact_mut(count).zip(&self.search.slants) {
-                escapes[index] *= trig::exp_f32((through / f64::from(*slant)) as f32);
+            for (escapes, slant) in self.escapes.chunks_exact_mut(count).zip(slants) {
+                escapes[index] = trig::exp_f32(-(met as f32) / slant);
             }
         }
     }
