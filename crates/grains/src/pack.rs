@@ -11,9 +11,10 @@ mod relax;
 mod vary;
 
 use crate::deposit::aim::{Aim, MOST_FALLS};
+use crate::measures::union_solid_fraction_of_pack;
 use crate::{
     Amount, DepositRule, DepositSettings, GrainField, GrainsError, ICE_DENSITY, Radii, Settling,
-    Snowfall,
+    ShapeMix, Snowfall,
 };
 use core::f64::consts::PI;
 use relax::Spheres;
@@ -48,6 +49,10 @@ const TOUCH: f64 = 1.9;
 const GAP: f64 = 1.0;
 /// Overlap, quanta, that the search may leave.
 const TOLERANCE: f64 = 0.3;
+
+/// Points at which packs of shapes are measured, and how far their density may be off, as a logarithm.
+const SHAPED_POINTS: u32 = 400_000;
+const SHAPED_TOLERANCE: f64 = 0.02;
 
 /// A pack to make.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,6 +161,59 @@ impl PackSettings {
             PackMethod::Compacted
         };
         Ok(spheres.rounded(quantum, method))
+    }
+
+    /// Makes the pack whose grains, as the shapes that they are, have the density: by packs of spheres of equal volume,
+    /// up to [`MOST_FALLS`] of them, as corners that reach into each other take room from the ice. The grains of the pack
+    /// are those spheres still.
+    ///
+    /// # Errors
+    /// As [`Self::make`]; a density that these shapes do not reach.
+    pub(crate) fn make_of(
+        &self,
+        mix: &ShapeMix,
+        quantum: f64,
+    ) -> Result<PeriodicPack, GrainsError> {
+        let mut aim = Aim::at(self.density);
+        let mut best: Option<PeriodicPack> = None;
+        for _ in 0..MOST_FALLS {
+            let aimed = Self { density: aim.density(), ..self.clone() };
+            let mut pack = match aimed.make(quantum) {
+                Ok(pack) => pack,
+                // What would make up for it is out of reach.
+                Err(error) if best.is_none() => return Err(error),
+                Err(_) => break,
+            };
+            let shaped = mix.drawn(pack.field.clone());
+            let union =
+                union_solid_fraction_of_pack(&shaped, pack.period, SHAPED_POINTS, self.seed);
+            pack.solid_fraction = union.mean;
+            let density = ICE_DENSITY * union.mean;
+            if best
+                .as_ref()
+                .is_none_or(|best| aim.miss(density) < aim.miss(ICE_DENSITY * best.solid_fraction))
+            {
+                best = Some(pack);
+            }
+            if aim.is_met_by(density) {
+                break;
+            }
+            aim.correct(density);
+        }
+        let pack = best.ok_or_else(|| self.out_of_reach(0.0))?;
+        let reached = ICE_DENSITY * pack.solid_fraction;
+        if aim.miss(reached) > SHAPED_TOLERANCE {
+            return Err(self.out_of_reach(reached));
+        }
+        Ok(pack)
+    }
+
+    fn out_of_reach(&self, reached: f64) -> GrainsError {
+        let reason = format!(
+            "{} kg/m3 is out of reach: grains of these shapes overlap, and reach {reached:.0} kg/m3",
+            self.density
+        );
+        GrainsError::setting("density", reason)
     }
 
     /// The slab that is nearest to the density, of up to [`MOST_FALLS`] snowfalls: what remains is made up

@@ -492,6 +492,7 @@ fn fall(
     let mut snowfall = Snowfall::on_surfaces(quantisation, surfaces).with_simd_level(level);
     for (index, snow) in description.snow.iter().enumerate() {
         stage(BuildStage::Snow { index });
+        snowfall.set_shapes(description.shapes_of(index).cloned());
         let result = match snow {
             SnowDescription::Deposit(settings) => {
                 let mut fallen = |grains| stage(BuildStage::Fallen { index, grains });

@@ -15,6 +15,7 @@ mod glints;
 mod grain;
 mod lights;
 mod pictures;
+mod shapes;
 mod slabs;
 mod sun;
 mod sun_images;
