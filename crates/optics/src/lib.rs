@@ -51,7 +51,7 @@ pub use impurity::{Impurity, ImpurityKind, Load};
 pub use metal::Metal;
 pub use phase::PhaseTable;
 pub use scatter::{
-    Connection, Connector, PairPath, Passed, Pencil, ScatterTable, SpherePair, SphereVisit,
+    Between, Connection, Connector, PairPath, Passed, Pencil, ScatterTable, SpherePair, SphereVisit,
 };
 pub use spectrum::Spectrum;
 pub use strata_colour::StrataColour;
