@@ -7,9 +7,11 @@
 
 mod solid;
 mod surface;
+mod tiled;
 
 pub use solid::Solid;
 pub use surface::{HeightField, PlanImage};
+pub use tiled::TiledFill;
 
 use crate::pack::{PackMethod, PackSettings, PeriodicPack};
 use crate::shapes::digest;

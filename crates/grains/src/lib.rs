@@ -41,12 +41,12 @@ pub mod shapes;
 pub use deposit::{DepositReport, Reached, Snowfall, reached_solid_fraction};
 pub use error::GrainsError;
 pub use field::GrainField;
-pub use fill::{Body, FillReport, FillSettings, HeightField, PlanImage, Solid};
+pub use fill::{Body, FillReport, FillSettings, HeightField, PlanImage, Solid, TiledFill};
 pub use hold::turned_to_touch;
 pub use lattice::{LatticeCell, lattice_grains};
 pub use layers::{LayerSettings, Layers, Stacking};
 pub use measures::{Extent, PackReport, Slab};
-pub use pack::{PACK_DENSITIES, PackMethod, PackSettings, PeriodicPack};
+pub use pack::{PACK_DENSITIES, PackMethod, PackSettings, PeriodicPack, VARIANTS};
 pub use radii::{Radii, RadiusCurve};
 pub use random::{RandomLayer, RandomSettings, random_layers, random_pack};
 pub use settings::{

@@ -8,6 +8,7 @@
 
 mod attach;
 mod relax;
+mod vary;
 
 use crate::deposit::aim::{Aim, MOST_FALLS};
 use crate::measures::union_solid_fraction_of_pack;
@@ -17,9 +18,11 @@ use crate::{
 };
 use core::f64::consts::PI;
 use relax::Spheres;
+use snowgrain_accel::tile_divisor;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{DVec3, trig};
 use std::fmt;
+pub use vary::VARIANTS;
 
 /// Density up to which snow falls as it is, kg/m^3: rolling reaches it at all sizes.
 const MOST_FALLEN: f64 = 520.0;
@@ -132,7 +135,8 @@ impl PackSettings {
         let moves = if fell {
             // The top is drawn down to, or up from, the image of the bottom; the rest is as it fell.
             let height = spheres.period.y;
-            spheres.period.y = (height * spheres.nominal() / wanted).round();
+            spheres.widen_plan();
+            spheres.period.y = spheres.whole(height * spheres.nominal() / wanted);
             let zone = SEAM * self.radii.largest() / quantum;
             let at_seam = |center: &DVec3| center.y < zone || center.y > height - zone;
             spheres.centers.iter().map(at_seam).collect()
@@ -143,7 +147,7 @@ impl PackSettings {
         };
         spheres.radii.iter_mut().for_each(|radius| *radius += 0.5 * GAP);
         let left = spheres.relax(&moves, TOLERANCE);
-        spheres.attach(TOUCH);
+        spheres.attach(TOUCH, 0);
         spheres.radii.iter_mut().for_each(|radius| *radius -= 0.5 * GAP);
         if left > 2.0 * GAP {
             let reason = format!("{} kg/m3 is not reached without overlap", self.density);
@@ -287,10 +291,37 @@ impl Spheres {
 
     /// Moves everything nearer together by `factor`; periods stay whole.
     fn scale(&mut self, factor: f64) {
-        let period = (self.period * factor).round();
+        let period = (self.period * factor).to_array().map(|edge| self.whole(edge));
+        self.stretch_to(DVec3::from_array(period));
+    }
+
+    /// Moves everything a little apart along x and z, so that these periods can be cut into equal cells; not nearer, so
+    /// that what touches does not overlap.
+    fn widen_plan(&mut self) {
+        let wider = |edge: f64| {
+            let divisor = self.divisor(edge);
+            (edge / divisor).ceil() * divisor
+        };
+        self.stretch_to(DVec3::new(wider(self.period.x), self.period.y, wider(self.period.z)));
+    }
+
+    fn stretch_to(&mut self, period: DVec3) {
         let factor = period / self.period;
         self.centers.iter_mut().for_each(|center| *center *= factor);
         self.period = period;
+    }
+
+    /// The number of equal cells that a period is cut into where tiles of the pack are packed for light.
+    fn divisor(&self, edge: f64) -> f64 {
+        let cubes: f64 = self.radii.iter().map(|radius| radius * radius * radius).sum();
+        let count = self.radii.len() as f64;
+        tile_divisor(edge, trig::cbrt(cubes / count), count, self.volume()) as f64
+    }
+
+    /// The nearest period that can be cut so.
+    fn whole(&self, edge: f64) -> f64 {
+        let divisor = self.divisor(edge);
+        (edge / divisor).round() * divisor
     }
 
     /// Solid fraction of the union of spheres of which no three share a point, with all distances times

@@ -20,6 +20,7 @@ mod slabs;
 mod sun;
 mod sun_images;
 mod surfaces;
+mod tiles;
 
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;

@@ -10,6 +10,7 @@ mod layout;
 mod overlap;
 mod survey;
 
+use super::hull::Hull;
 use super::packed_cells::{BRICK, CELLS_PER_BRICK};
 use super::{
     Block, BlockShapes, CellEntry, GrainGrid, GrainParts, GridError, GridShapes, PackedCells,
@@ -62,12 +63,14 @@ pub(super) struct Around<'a> {
     pub(super) strata: &'a [u8],
     /// The shape of each grain, or none.
     pub(super) words: &'a [u64],
+    /// Of each prototype.
+    pub(super) hulls: &'a [Hull],
 }
 
 pub(super) fn build(
     quantisation: Quantisation,
     grains: GrainParts<'_>,
-    Around { surfaces, strata, words }: Around<'_>,
+    Around { surfaces, strata, words, hulls }: Around<'_>,
     period: Option<[i64; 2]>,
     packing: Packing,
 ) -> Result<GrainGrid, GridError> {
@@ -112,6 +115,7 @@ pub(super) fn build(
             flags: &flags,
             has_strata: strata.iter().any(|&stratum| stratum != 0),
             words,
+            hulls,
             most_bytes: smaller
                 .then(|| MOST_BYTES_AT_LEAST.max(MOST_BYTES_PER_GRAIN * survey.grains as usize)),
         };
@@ -146,6 +150,7 @@ struct Packer<'a> {
     has_strata: bool,
     /// Of each grain its shape, where it may have any.
     words: &'a [u64],
+    hulls: &'a [Hull],
     /// Memory of the cells beyond which they are too many.
     most_bytes: Option<usize>,
 }

@@ -11,6 +11,9 @@
 
 mod block;
 mod build;
+mod cell_bits;
+mod each;
+mod hull;
 mod inside;
 mod interior;
 mod lattice_cells;
@@ -19,8 +22,11 @@ mod packing;
 mod parts;
 mod shapes;
 mod sites;
+mod sizes;
+mod slabs;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
@@ -33,6 +39,9 @@ pub use parts::{GrainParts, PartReader};
 pub use shapes::ShapedGrains;
 pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
 pub(crate) use sites::{LatticeSites, SiteKind};
+pub use sizes::SizesPerVolume;
+pub(crate) use slabs::{AXES, COS_30, ROUND, Slabs};
+pub use tiles::{Extent, TiledGrains, tile_divisor};
 
 use crate::strata::BlockStrata;
 use crate::{STRATA, Surfaces};
@@ -404,7 +413,7 @@ impl GrainGrid {
         surfaces: &Surfaces,
         packing: Packing,
     ) -> Result<Self, GridError> {
-        let around = build::Around { surfaces, strata: &[], words: &[] };
+        let around = build::Around { surfaces, strata: &[], words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, None, packing)
     }
 
@@ -424,7 +433,7 @@ impl GrainGrid {
         strata: &[u8],
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
-        let around = build::Around { surfaces, strata, words: &[] };
+        let around = build::Around { surfaces, strata, words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, None, packing)
     }
 
@@ -442,7 +451,7 @@ impl GrainGrid {
         packing: Packing,
     ) -> Result<Self, GridError> {
         let surfaces = Surfaces::default();
-        let around = build::Around { surfaces: &surfaces, strata: &[], words: &[] };
+        let around = build::Around { surfaces: &surfaces, strata: &[], words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
     }
 
@@ -462,7 +471,7 @@ impl GrainGrid {
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
         let surfaces = Surfaces::default();
-        let around = build::Around { surfaces: &surfaces, strata, words: &[] };
+        let around = build::Around { surfaces: &surfaces, strata, words: &[], hulls: &[] };
         build::build(quantisation, grains.into(), around, Some(period_quanta), packing)
     }
 
@@ -483,7 +492,8 @@ impl GrainGrid {
     ) -> Result<Self, GridError> {
         assert!(strata.iter().all(|&stratum| usize::from(stratum) <= STRATA), "strata are few");
         let (spheres, words) = shapes::bounding(grains, shapes)?;
-        let around = build::Around { surfaces, strata, words: &words };
+        let hulls: Vec<_> = shapes.prototypes.iter().map(hull::Hull::new).collect();
+        let around = build::Around { surfaces, strata, words: &words, hulls: &hulls };
         let mut grid =
             build::build(quantisation, spheres.as_slice().into(), around, period_quanta, packing)?;
         if let Some(grid) = &mut grid.shapes {

@@ -2,6 +2,7 @@
 //!
 //! Blocks hold bounding spheres; beside each block lies a word a slot with prototype, orientation and size.
 
+use super::slabs::Slabs;
 use super::{GRAINS_PER_BLOCK, GridError, RADIUS_MASK};
 use snowgrain_geometry::shape::{ConvexBody, Ellipsoid, Face};
 use snowgrain_geometry::{GrainShape, QuantisedGrain, Shape};
@@ -70,6 +71,8 @@ impl GridShapes {
 #[derive(Clone, Debug)]
 pub(crate) struct Prototype {
     pub(crate) parts: Vec<Part>,
+    /// Of one body between parallel faces.
+    pub(crate) slabs: Option<Slabs>,
 }
 
 /// A convex body, its planes by eight: a plane that fills up cuts nothing off.
@@ -91,7 +94,11 @@ pub(crate) struct Planes {
 
 impl Prototype {
     pub(crate) fn new(shape: &Shape) -> Self {
-        Self { parts: shape.parts().iter().map(Part::new).collect() }
+        let slabs = match shape.parts() {
+            [body] => Slabs::of(body),
+            _ => None,
+        };
+        Self { parts: shape.parts().iter().map(Part::new).collect(), slabs }
     }
 
     pub(crate) fn contains(&self, point: DVec3) -> bool {

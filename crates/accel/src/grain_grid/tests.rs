@@ -3,9 +3,11 @@
 
 use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use super::build::{overlaps, reaches_cell};
+use super::hull::{Hull, Placed};
 use super::{Block, GRAINS_PER_BLOCK, GrainGrid, GrainParts, Packing};
+use super::{Placement, ShapeWord, ShapedGrains};
 use crate::Surfaces;
-use snowgrain_geometry::{Quantisation, QuantisedGrain};
+use snowgrain_geometry::{GrainShape, Quantisation, QuantisedGrain, Shape, ShapeKind};
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::{PathKey, numbers};
 
@@ -83,6 +85,59 @@ fn every_cell_lists_what_reaches_it_and_flags_tell_overlaps() {
             check_cells(&pack(&grains, None, packing), &grains);
         }
     }
+}
+
+/// A grain of a shape overlaps another one that no plane parts from it, whichever cells list the two.
+#[test]
+fn flags_of_shaped_grains_tell_which_others_no_plane_parts_them_from() {
+    let kinds = [
+        ShapeKind::HexagonalPrism { aspect: 0.2, rounding: 0.0 },
+        ShapeKind::HexagonalPrism { aspect: 2.0, rounding: 0.3 },
+        ShapeKind::RandomPolyhedron { faces: 9, seed: 2, rounding: 0.0 },
+    ];
+    let prototypes = kinds.map(|kind| Shape::new(kind).unwrap());
+    let hulls = prototypes.each_ref().map(Hull::new);
+    let grains = strewn(300, 24_000.0, [300.0, 2500.0]);
+    let turned = |index: usize| {
+        let [a, b, c] = numbers(PathKey::new(4, index as u64, 0), 0).map(|u| f64::from(u) - 0.5);
+        GrainShape::new(index % kinds.len(), [a, b, c, 0.3])
+    };
+    let shapes: Vec<GrainShape> = (0..grains.len()).map(turned).collect();
+    let shaped = ShapedGrains { prototypes: &prototypes, of_grains: &shapes };
+    let grid = GrainGrid::build_shaped(
+        Quantisation::for_grains(DVec3::ZERO, 1.0),
+        (&grains, shaped),
+        (&Surfaces::default(), &[]),
+        None,
+        Packing::Fast,
+    )
+    .unwrap();
+    let placed = |index: usize| {
+        let (shape, radius) = (shapes[index], f64::from(grains[index].radius));
+        let prototype = shape.prototype();
+        let placement = Placement { rotation: shape.rotation(), radius, prototype };
+        Placed { hull: &hulls[prototype], placement }
+    };
+    let center = |index: usize| DVec3::from_array(grains[index].center.map(f64::from));
+    let overlaps =
+        |i: usize, j: usize| i != j && !placed(i).is_apart_from(&placed(j), center(j) - center(i));
+    let wanted: Vec<bool> =
+        (0..grains.len()).map(|i| (0..grains.len()).any(|j| overlaps(i, j))).collect();
+    let words = &grid.shapes().unwrap().blocks;
+    let mut seen = 0;
+    for (block, words) in grid.blocks().iter().zip(words) {
+        for slot in (0..GRAINS_PER_BLOCK).filter(|&slot| block.radius[slot] & RADIUS_MASK > 0) {
+            let word = ShapeWord::of_slot(words[slot]);
+            let is_this = |i: &usize| {
+                shapes[*i] == word.shape() && f64::from(grains[*i].radius) == word.radius()
+            };
+            let index = (0..grains.len()).find(is_this).unwrap();
+            assert_eq!(block.radius[slot] & OVERLAPS != 0, wanted[index], "grain {index}");
+            seen += 1;
+        }
+    }
+    let overlapping = wanted.iter().filter(|&&overlaps| overlaps).count();
+    assert!(seen >= 300 && (60..240).contains(&overlapping), "{seen} {overlapping}");
 }
 
 #[test]

@@ -160,12 +160,17 @@ impl ConvexBody {
         (0..self.faces.len()).map(|index| polygon(&self.faces, index, size)).collect()
     }
 
-    /// The corners that its planes have in common, without the ellipsoid, some of them several times; none where
-    /// there are no planes.
+    /// Corners of the polyhedron that its faces bound; a corner may be told several times. None of a body without faces.
     #[must_use]
     pub fn corners(&self) -> Vec<DVec3> {
         let far = self.faces.iter().map(|face| face.distance.abs()).fold(1.0, f64::max);
-        self.polygons(FARTHEST * far).into_iter().flatten().collect()
+        let mut corners: Vec<DVec3> = Vec::new();
+        for corner in self.polygons(FARTHEST * far).into_iter().flatten() {
+            if !corners.iter().any(|known| (*known - corner).length() < 1e-9 * far) {
+                corners.push(corner);
+            }
+        }
+        corners
     }
 
     /// The faces that show of a body without an ellipsoid; none where one rounds it.

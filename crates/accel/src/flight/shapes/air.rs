@@ -1,16 +1,19 @@
 //! Paths in air: to the next grain, surface or cell.
 
-use super::body::{entered, interval};
+use super::body::{LocalRay, entered, interval};
+use super::candidates::part_of;
 use super::interface::Interface;
 use super::lane::{BodyPart, Entry, Inside, Lane, Phase, SurfaceAnswer};
-use super::near::{TOLERANCE, near};
-use super::{SURFACE_FIRST, ShapeFlight, passes};
+use super::near::near;
+use super::visits::{Arrival, Departure};
+use super::{GROUP, SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent};
-use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
+use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord};
 use fearless_simd::Simd;
 use snowgrain_math::DVec3;
 
 /// The way out of a cell, or of an empty brick.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Exit {
     pub(super) distance: f64,
     axis: usize,
@@ -21,20 +24,17 @@ pub(super) struct Exit {
 }
 
 impl ShapeFlight<'_> {
-    /// Follows a path in air through its cell.
+    /// Follows a path in air, of which the nearest grain is known, through its cell.
     #[inline(always)]
-    pub(super) fn step_in_air<S: Simd>(&mut self, simd: S, index: usize) {
-        let exit = self.exit(&self.lanes[index]);
-        let nearest = self.nearest(simd, &self.lanes[index], exit.distance);
-        self.lanes[index].nearest = nearest;
-        let entry = nearest.filter(|entry| entry.at <= exit.distance);
-        if self.lanes[index].entry.has_surface() && self.meets_surface(index, &exit, entry.as_ref())
+    pub(super) fn step_in_air<S: Simd>(&mut self, simd: S, index: usize, exit: &Exit) {
+        let entry = self.lanes[index].nearest.filter(|entry| entry.at <= exit.distance);
+        if self.lanes[index].entry.has_surface() && self.meets_surface(index, exit, entry.as_ref())
         {
             return;
         }
         match entry {
             Some(entry) => self.arrive(simd, index, &entry),
-            None => self.leave_cell(index, &exit),
+            None => self.leave_cell(index, exit),
         }
     }
 
@@ -45,24 +45,21 @@ impl ShapeFlight<'_> {
         let is_brick = lane.entry == CellEntry::EMPTY_BRICK;
         let mut exit = Exit { distance: f64::INFINITY, axis: 0, steps: 0, within: [[0; 2]; 3] };
         for axis in 0..3 {
-            let cell = lane.cell[axis];
-            // The last brick may reach beyond the grid, where surfaces must be asked for.
-            let (below, above) = if is_brick {
-                (cell & 7, (7 - (cell & 7)).min(cells.counts[axis] - 1 - cell))
+            let (side, low) = (cells.side[axis], cells.margin + lane.offset[axis]);
+            let forward = lane.direction[axis] > 0.0;
+            let (face, steps) = if is_brick {
+                let cell = lane.cell[axis];
+                // The last brick may reach beyond the grid, where surfaces must be asked for.
+                let below = cell & 7;
+                let above = (7 - below).min(cells.counts[axis] - 1 - cell);
+                exit.within[axis] = [-below, above];
+                let steps = if forward { above + 1 } else { -below - 1 };
+                (low + side * f64::from(if forward { steps } else { -below }), steps)
             } else {
-                (0, 0)
-            };
-            exit.within[axis] = [-below, above];
-            let side = cells.side[axis];
-            let low = cells.margin + lane.offset[axis];
-            let direction = lane.direction[axis];
-            let (face, steps) = if direction > 0.0 {
-                (low + side * f64::from(1 + above), above + 1)
-            } else {
-                (low - side * f64::from(below), -below - 1)
+                (if forward { low + side } else { low }, if forward { 1 } else { -1 })
             };
             let distance = (face - lane.origin[axis]) * lane.inverse_direction[axis];
-            if direction != 0.0 && distance < exit.distance {
+            if lane.direction[axis] != 0.0 && distance < exit.distance {
                 (exit.distance, exit.axis, exit.steps) = (distance, axis, steps);
             }
         }
@@ -76,49 +73,68 @@ impl ShapeFlight<'_> {
     #[inline(always)]
     pub(super) fn nearest<S: Simd>(&self, simd: S, lane: &Lane, limit: f64) -> Option<Entry> {
         let mut nearest = lane.nearest;
+        self.for_each_near(simd, lane, limit, |block, slot| {
+            if lane.shadowless != Some(self.center(lane, block, slot)) {
+                nearest = self.nearer(lane, (block, slot), nearest);
+            }
+            nearest
+        });
+        nearest
+    }
+
+    /// Looks at block and slot of each grain whose bounding sphere the stretch enters in its cell, before `limit` and
+    /// before the nearest grain that is known, which looking tells anew.
+    #[inline(always)]
+    pub(super) fn for_each_near<S: Simd>(
+        &self,
+        simd: S,
+        lane: &Lane,
+        limit: f64,
+        mut look: impl FnMut(usize, usize) -> Option<Entry>,
+    ) {
         if lane.entry == CellEntry::EMPTY_BRICK {
-            return nearest;
+            return;
         }
         let position = lane.local(lane.travelled).to_array().map(|x| x as f32);
         let direction = lane.direction.to_array().map(|x| x as f32);
-        let before = if lane.travelled > 0.0 { -TOLERANCE } else { f32::NEG_INFINITY };
+        let before = if lane.travelled > 0.0 { 0.0 } else { f32::NEG_INFINITY };
+        let last = |nearest: Option<Entry>| {
+            (nearest.map_or(limit, |nearest| nearest.at.min(limit)) - lane.travelled) as f32
+        };
+        let mut window = [before, last(lane.nearest)];
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let near = near(simd, block, position, direction);
-            let mut slots = near.slots;
+            let mut slots = near(simd, block, (position, direction), window);
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;
-                let sphere = near.enter[slot];
-                let best = nearest.map_or(limit, |nearest| nearest.at.min(limit));
-                if sphere < before || lane.travelled + f64::from(sphere - TOLERANCE) > best {
-                    continue;
-                }
-                let word = self.shapes.blocks[number][slot];
-                let placement = Placement::of(ShapeWord::of_slot(word));
-                let center = self.center(lane, number, slot);
-                if lane.shadowless == Some(center) {
-                    continue;
-                }
-                let ray = lane.ray_to(center, &placement);
-                for (at, part) in self.shapes.of(&placement).parts.iter().enumerate() {
-                    let body = BodyPart { center, word, part: at as u16 };
-                    if lane.leaving == Some(body) {
-                        continue;
-                    }
-                    let Some([enter, leave]) = interval(part, &ray) else { continue };
-                    let entry = Entry {
-                        at: enter * placement.radius,
-                        at_radii: enter,
-                        body,
-                        block: number,
-                        slot,
-                    };
-                    let is_ahead = leave * placement.radius > lane.travelled;
-                    if is_ahead && nearest.is_none_or(|nearest| entry.at < nearest.at) {
-                        nearest = Some(entry);
-                    }
-                }
+                window[1] = last(look(number, slot));
+            }
+        }
+    }
+
+    /// The nearer of the nearest grain so far and that of a slot.
+    #[inline(always)]
+    pub(super) fn nearer(
+        &self,
+        lane: &Lane,
+        (block, slot): (usize, usize),
+        mut nearest: Option<Entry>,
+    ) -> Option<Entry> {
+        let word = self.shapes.blocks[block][slot];
+        let placement = Placement::of(ShapeWord::of_slot(word));
+        let center = self.center(lane, block, slot);
+        let ray = lane.ray_to(center, &placement);
+        for (at, part) in self.shapes.of(&placement).parts.iter().enumerate() {
+            let body = BodyPart { center, word, part: at as u16 };
+            if lane.leaving == Some(body) {
+                continue;
+            }
+            let Some([enter, leave]) = interval(part, &ray) else { continue };
+            let at = enter * placement.radius;
+            let is_ahead = leave * placement.radius > lane.travelled;
+            if is_ahead && nearest.is_none_or(|nearest| at < nearest.at) {
+                nearest = Some(Entry { at, at_radii: enter, body, block, slot, face: None });
             }
         }
         nearest
@@ -129,13 +145,17 @@ impl ShapeFlight<'_> {
     pub(super) fn entered(&self, lane: &Lane, entry: &Entry) -> Inside {
         let placement = Placement::of(ShapeWord::of_slot(entry.body.word));
         let ray = lane.ray_to(entry.body.center, &placement);
-        let parts = &self.shapes.of(&placement).parts;
+        let Prototype { parts, slabs } = self.shapes.of(&placement);
+        let through = match (slabs, entry.face) {
+            (Some(slabs), Some(face)) => part_of(slabs, face),
+            _ => entered(&parts[usize::from(entry.body.part)], &ray, entry.at_radii),
+        };
         let flags = self.grid.blocks()[entry.block].radius[entry.slot];
         Inside {
             body: entry.body,
             placement,
             leave: entry.at.max(lane.travelled),
-            through: entered(&parts[usize::from(entry.body.part)], &ray, entry.at_radii),
+            through,
             meets_surface: flags & MEETS_SURFACE != 0,
             overlaps: flags & OVERLAPS != 0 || parts.len() > 1,
             stratum: self.stratum(entry.block, entry.slot),
@@ -225,7 +245,6 @@ impl ShapeFlight<'_> {
             return;
         }
         self.note(index, ArrivalFrom::Air, &inside, at);
-        let cells = &self.cells;
         let lane = &mut self.lanes[index];
         lane.inside = inside;
         let outward = lane.outward(shapes);
@@ -233,6 +252,10 @@ impl ShapeFlight<'_> {
             let place = grid.world_of(lane.cell, lane.local(at));
             lane.first = Some([place, outward]);
         }
+        if self.begin_visit(index, entry) {
+            return;
+        }
+        let (cells, lane) = (&self.cells, &mut self.lanes[index]);
         let interface = Interface::new(lane.direction, outward, ratio);
         if passes(lane, &interface) {
             lane.begin_stretch(cells, at, interface.refracted());
@@ -244,6 +267,81 @@ impl ShapeFlight<'_> {
             lane.leaving = Some(lane.inside.body);
             self.go_on_in_air(index);
         }
+    }
+
+    /// Whether other ice covers the place of a path that visits a grain, at the end of a chord; then the path goes on from
+    /// there as those in other grains do.
+    #[inline(always)]
+    pub(super) fn leaves_visits<S: Simd>(&mut self, simd: S, index: usize) -> bool {
+        let departure = self.in_grains[index / GROUP].departure(index % GROUP);
+        let lane = &mut self.lanes[index];
+        let Inside { body, placement, .. } = &lane.inside;
+        lane.origin = body.center + placement.rotation * departure.place * placement.radius;
+        lane.travelled = 0.0;
+        let direction = placement.rotation * departure.direction;
+        lane.begin_stretch(&self.cells, 0.0, direction);
+        lane.inside.leave = 0.0;
+        if lane.entry_of != lane.cell {
+            (lane.entry, lane.entry_of) = (self.grid.entry(lane.cell), lane.cell);
+        }
+        if self.farthest_cover(simd, index).is_none() {
+            return false;
+        }
+        self.hand_back(index, &departure);
+        self.lanes[index].phase = Phase::Ice;
+        true
+    }
+
+    /// Takes a path back that visits a grain, whose stretch begins where it stands inside.
+    pub(super) fn hand_back(&mut self, index: usize, departure: &Departure) {
+        self.in_grains[index / GROUP].end(index % GROUP);
+        let lane = &mut self.lanes[index];
+        if let Some(slabs) = &self.shapes.of(&lane.inside.placement).slabs {
+            lane.inside.through = part_of(slabs, departure.face);
+        }
+        lane.add_ice(departure.ice * lane.inside.placement.radius);
+        lane.inside.leave = 0.0;
+        lane.event = departure.event;
+        lane.turns = departure.turns;
+    }
+
+    /// Hands a path that has arrived over to [`Visits`](super::visits::Visits), where its grain is one for them.
+    #[inline(always)]
+    fn begin_visit(&mut self, index: usize, entry: &Entry) -> bool {
+        let lane = &mut self.lanes[index];
+        let Inside { body, placement, meets_surface, overlaps, .. } = &lane.inside;
+        let (Some(slabs), Some(face)) = (&self.shapes.of(placement).slabs, entry.face) else {
+            return false;
+        };
+        // Of a path that begins within the grain the place is not on the face.
+        if *meets_surface || entry.at < lane.travelled {
+            return false;
+        }
+        let LocalRay { origin, direction } = lane.ray_to(body.center, placement);
+        let place = origin + direction * entry.at_radii;
+        let (key, event) = (lane.key, lane.event);
+        lane.phase = Phase::Visit;
+        lane.in_ice = true;
+        let arrival = Arrival { place, direction, face, slabs, overlaps: *overlaps };
+        self.in_grains[index / GROUP].begin(index % GROUP, &arrival, key, event);
+        true
+    }
+
+    /// A path goes on in air after its visit.
+    #[inline(always)]
+    pub(super) fn end_visit(&mut self, index: usize) {
+        let departure = self.in_grains[index / GROUP].departure(index % GROUP);
+        let lane = &mut self.lanes[index];
+        let Inside { body, placement, .. } = &lane.inside;
+        lane.origin = body.center + placement.rotation * departure.place * placement.radius;
+        lane.travelled = 0.0;
+        let (direction, length) =
+            (placement.rotation * departure.direction, departure.ice * placement.radius);
+        lane.add_ice(length);
+        lane.event = departure.event;
+        lane.begin_stretch(&self.cells, 0.0, direction);
+        lane.leaving = Some(lane.inside.body);
+        self.go_on_in_air(index);
     }
 
     /// The path goes on in air from the origin of a new stretch.

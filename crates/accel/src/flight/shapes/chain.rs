@@ -86,8 +86,8 @@ fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<
     let mut on = entered(part, &local, enter);
     let point = local.origin + local.direction * enter.max(0.0);
     let interface = Interface::new(local.direction, normal(part, on, point), 1.0 / eta);
-    let reflected = 1.0 - interface.transmittance;
-    let rest = interface.transmittance;
+    let reflected = 1.0 - interface.transmittance();
+    let rest = interface.transmittance();
     let mut chain = Chain { outgoing: Vec::new(), chords: 0, rest };
     chain.add(reflected, Ray::new(point, interface.reflected()), [0.0, 0.0]);
     local = LocalRay { origin: point, direction: interface.refracted() };
@@ -100,7 +100,7 @@ fn of_prototype(prototype: &Prototype, mut local: LocalRay, eta: f64) -> Option<
         chain.chords = chords as u32;
         let outward = normal(part, on, local.origin);
         let interface = Interface::new(local.direction, -outward, eta);
-        let weight = chain.rest * interface.transmittance;
+        let weight = chain.rest * interface.transmittance();
         let out = Ray::new(local.origin, interface.refracted());
         chain.add(weight, out, [chords as f64, length]);
         chain.rest -= weight;
@@ -129,7 +129,7 @@ pub(super) fn straight(part: &Part, ray: &LocalRay, enter: f64, eta: f64) -> Opt
     let point = ray.origin + ray.direction * enter;
     let outward = normal(part, on, point);
     let interface = Interface::new(ray.direction, outward, 1.0 / eta);
-    if interface.transmittance == 0.0 {
+    if interface.transmittance() == 0.0 {
         return None;
     }
     let mut inside = LocalRay { origin: point, direction: interface.refracted() };
@@ -139,7 +139,7 @@ pub(super) fn straight(part: &Part, ray: &LocalRay, enter: f64, eta: f64) -> Opt
         return None;
     }
     // It meets the other face at the angle at which it left this one.
-    let transmittance = interface.transmittance * interface.transmittance;
+    let transmittance = interface.transmittance() * interface.transmittance();
     Some(Straight { transmittance, length, leaves: inside.origin })
 }
 

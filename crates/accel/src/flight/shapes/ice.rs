@@ -3,7 +3,7 @@
 use super::body::{interval, left, may_hold};
 use super::interface::Interface;
 use super::lane::{BodyPart, Inside, Phase};
-use super::near::{TOLERANCE, near};
+use super::near::near;
 use super::{SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
@@ -68,7 +68,7 @@ impl ShapeFlight<'_> {
     /// Of the bodies that hold the end of the chord (their interval begins before or there and ends
     /// behind), the one that is left last.
     #[inline(always)]
-    fn farthest_cover<S: Simd>(&self, simd: S, index: usize) -> Option<Inside> {
+    pub(super) fn farthest_cover<S: Simd>(&self, simd: S, index: usize) -> Option<Inside> {
         let lane = &self.lanes[index];
         let end = lane.inside.leave;
         let position = lane.local(end).to_array().map(|x| x as f32);
@@ -76,14 +76,10 @@ impl ShapeFlight<'_> {
         let mut best: Option<Inside> = None;
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let near = near(simd, block, position, direction);
-            let mut slots = near.slots;
+            let mut slots = near(simd, block, (position, direction), [f32::NEG_INFINITY, 0.0]);
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;
-                if near.enter[slot] > TOLERANCE {
-                    continue;
-                }
                 let center = self.center(lane, number, slot);
                 let own = lane.inside.body;
                 if center == own.center && self.is_alone(&lane.inside) {

@@ -18,6 +18,8 @@ pub(super) enum Phase {
     Still,
     /// In air, for what its cell holds.
     Air,
+    /// In a grain between parallel faces, with others (`visits`).
+    Visit,
     /// At the end of a chord, for what its cell holds: interface, or more ice?
     Ice,
 }
@@ -71,6 +73,8 @@ pub(super) struct Entry {
     /// Block and slot of the grain.
     pub(super) block: usize,
     pub(super) slot: usize,
+    /// The face by which it is entered, of grains between parallel faces.
+    pub(super) face: Option<f64>,
 }
 
 /// The cells of a grid, in doubles.
@@ -235,7 +239,7 @@ impl Lane {
     #[inline(always)]
     pub(super) fn seek_cell(&mut self, cells: &Cells, t: f64) {
         let local = self.local(t);
-        let steps = [0, 1, 2].map(|axis| cells.steps(local, axis));
+        let steps = [cells.steps(local, 0), cells.steps(local, 1), cells.steps(local, 2)];
         if steps != [0; 3] {
             for (axis, steps) in steps.into_iter().enumerate() {
                 self.step_cells(cells, axis, steps);
@@ -290,12 +294,17 @@ impl Lane {
     /// Counts the stretch as ice of the present grain up to `t`.
     #[inline(always)]
     pub(super) fn count_ice(&mut self, t: f64) {
-        let length = t - self.counted;
+        self.add_ice(t - self.counted);
+        self.counted = t;
+    }
+
+    /// Counts a length in ice of the present grain.
+    #[inline(always)]
+    pub(super) fn add_ice(&mut self, length: f64) {
         self.ice_length += length;
         if let Some(stratum) = usize::from(self.inside.stratum).checked_sub(1) {
             self.ice_in_strata[stratum] += length;
         }
-        self.counted = t;
     }
 
     /// Counts the stretch as air up to `t`.

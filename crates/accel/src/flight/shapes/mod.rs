@@ -8,28 +8,35 @@
 
 mod air;
 mod body;
+mod candidates;
 mod chain;
 mod ice;
 mod interface;
 mod lane;
 mod near;
 mod probe;
+mod slabs;
+mod visits;
 
 pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 
 pub(super) use probe::ShapeProbes;
 
 use super::visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
-use super::{FirstGrain, FlightEvent, LANES, Travelled};
+use super::{FirstGrain, FlightEvent, LANES, MAX_TURNS_IN_ICE, Travelled};
 use crate::grain_grid::{GridPosition, GridShapes, ShapeWord, Storage};
 use crate::prefetch::prefetch;
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
+use air::Exit;
 use body::NOWHERE;
+use candidates::Candidate;
 use fearless_simd::{Level, Simd, dispatch};
 use interface::Interface;
 use lane::{Cells, Inside, Lane, Phase};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
+use std::ops::Range;
+use visits::Visits;
 
 /// Paths that move on together, while those of another group wait for memory.
 const GROUP: usize = 16;
@@ -47,6 +54,10 @@ pub(super) struct ShapeFlight<'a> {
     eta: f64,
     cells: Cells,
     lanes: Box<[Lane; LANES]>,
+    /// Of each group, its paths in grains between parallel faces.
+    in_grains: Box<[Visits; LANES / GROUP]>,
+    /// What the paths of a group may meet next.
+    candidates: Vec<Candidate>,
     events: Vec<(usize, FlightEvent)>,
     /// Arrivals at grains, where they are noted.
     visits: Option<Vec<GrainVisit>>,
@@ -70,6 +81,8 @@ impl<'a> ShapeFlight<'a> {
             eta,
             cells: Cells::of(grid),
             lanes: Box::new([Lane::default(); LANES]),
+            in_grains: Box::default(),
+            candidates: Vec::new(),
             events: Vec::with_capacity(LANES),
             visits: None,
             deep: None,
@@ -78,6 +91,7 @@ impl<'a> ShapeFlight<'a> {
     }
 
     pub(super) fn launch(&mut self, lane: usize, key: PathKey, event: u32) {
+        self.retire(lane);
         self.lanes[lane] = Lane::launched(key, event);
     }
 
@@ -140,10 +154,13 @@ impl<'a> ShapeFlight<'a> {
 
     pub(super) fn retire(&mut self, lane: usize) {
         self.lanes[lane].phase = Phase::Still;
+        self.in_grains[lane / GROUP].end(lane % GROUP);
     }
 
     pub(super) fn relocate(&mut self, from: usize, to: usize) {
         self.lanes[to] = self.lanes[from];
+        let source = self.in_grains[from / GROUP].clone();
+        self.in_grains[to / GROUP].copy(to % GROUP, &source, from % GROUP);
         self.retire(from);
     }
 
@@ -261,16 +278,7 @@ impl<'a> ShapeFlight<'a> {
         {
             let mut flying = false;
             for first in (0..self.in_use).step_by(GROUP) {
-                let lanes = first..(first + GROUP).min(self.in_use);
-                for index in lanes.clone() {
-                    match self.lanes[index].phase {
-                        Phase::Still => continue,
-                        Phase::Air => self.step_in_air(simd, index),
-                        Phase::Ice => self.go_on_in_ice(simd, index, None),
-                    }
-                    flying = true;
-                    self.prefetch_entry(index);
-                }
+                flying |= self.round(simd, first..(first + GROUP).min(self.in_use));
                 self.fetch_entries(first.checked_sub(GROUP).map_or(0..0, |before| before..first));
             }
             let last = self.in_use.saturating_sub(1) / GROUP * GROUP;
@@ -281,20 +289,96 @@ impl<'a> ShapeFlight<'a> {
         }
     }
 
+    /// One step of the paths of a group; whether any is in flight.
+    #[inline(always)]
+    fn round<S: Simd>(&mut self, simd: S, lanes: Range<usize>) -> bool {
+        let first = lanes.start;
+        let mut exits = [Exit::default(); GROUP];
+        let mut candidates = std::mem::take(&mut self.candidates);
+        candidates.clear();
+        for index in lanes.clone() {
+            if self.lanes[index].phase != Phase::Air {
+                continue;
+            }
+            let exit = self.exit(&self.lanes[index]);
+            exits[index - first] = exit;
+            self.gather(simd, (index, exit.distance), &mut candidates);
+        }
+        self.meet(simd, &candidates);
+        self.candidates = candidates;
+        let mut flying = false;
+        for index in lanes {
+            match self.lanes[index].phase {
+                Phase::Still => continue,
+                Phase::Air => self.step_in_air(simd, index, &exits[index - first]),
+                Phase::Ice => self.go_on_in_ice(simd, index, None),
+                Phase::Visit => {}
+            }
+            flying = true;
+        }
+        self.step_in_grains(simd, first);
+        for index in first..first + GROUP {
+            self.prefetch_entry(index);
+        }
+        flying
+    }
+
+    /// One step of the paths of a group that are in grains between parallel faces.
+    #[inline(always)]
+    fn step_in_grains<S: Simd>(&mut self, simd: S, first: usize) {
+        let group = &mut self.in_grains[first / GROUP];
+        if group.is_empty() {
+            return;
+        }
+        let mut ends = group.travel(simd, self.eta);
+        while ends != 0 {
+            let at = ends.trailing_zeros() as usize & (GROUP - 1);
+            ends &= ends - 1;
+            self.leaves_visits(simd, first + at);
+        }
+        let mut out = self.in_grains[first / GROUP].turn(simd, self.eta);
+        while out != 0 {
+            let at = out.trailing_zeros() as usize & (GROUP - 1);
+            out &= out - 1;
+            self.end_visit(first + at);
+        }
+        let mut trapped = self.in_grains[first / GROUP].longer_than(MAX_TURNS_IN_ICE);
+        while trapped != 0 {
+            let at = trapped.trailing_zeros() as usize & (GROUP - 1);
+            trapped &= trapped - 1;
+            self.stop_in_grain(first + at);
+        }
+    }
+
+    /// Stops a path on the face of its grain, inside.
+    #[inline(never)]
+    fn stop_in_grain(&mut self, index: usize) {
+        let departure = self.in_grains[index / GROUP].departure(index % GROUP);
+        let lane = &mut self.lanes[index];
+        let Inside { body, placement, .. } = &lane.inside;
+        lane.origin = body.center + placement.rotation * departure.place * placement.radius;
+        lane.travelled = 0.0;
+        let direction = placement.rotation * departure.direction;
+        lane.begin_stretch(&self.cells, 0.0, direction);
+        self.hand_back(index, &departure);
+        self.stop(index, FlightEvent::Trapped);
+    }
+
     /// Asks for what the cell of a path holds.
     #[inline(always)]
     fn prefetch_entry(&self, index: usize) {
         let lane = &self.lanes[index];
-        if let (Storage::Packed(cells), true) = (self.grid.storage(), lane.phase != Phase::Still) {
+        let asks = matches!(lane.phase, Phase::Air | Phase::Ice);
+        if let (Storage::Packed(cells), true) = (self.grid.storage(), asks) {
             cells.prefetch(lane.cell);
         }
     }
 
     /// Looks it up, and asks for the blocks.
     #[inline(always)]
-    fn fetch_entries(&mut self, lanes: std::ops::Range<usize>) {
+    fn fetch_entries(&mut self, lanes: Range<usize>) {
         for lane in &mut self.lanes[lanes] {
-            if lane.phase != Phase::Still {
+            if matches!(lane.phase, Phase::Air | Phase::Ice) {
                 lane.entry = self.grid.entry(lane.cell);
                 lane.entry_of = lane.cell;
                 self.grid.prefetch_blocks(lane.entry);
@@ -325,5 +409,5 @@ impl<'a> ShapeFlight<'a> {
 fn passes(lane: &mut Lane, interface: &Interface) -> bool {
     let [u, _, _] = numbers(lane.key, lane.event);
     lane.event += 1;
-    f64::from(u) < interface.transmittance
+    interface.lets_pass(f64::from(u))
 }

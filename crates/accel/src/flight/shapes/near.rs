@@ -9,26 +9,19 @@ use fearless_simd::prelude::*;
 /// that the line meets: so near to the rim, 5e-2 across the line are less than 4 along it.
 pub(super) const TOLERANCE: f32 = 8.0;
 
-/// Grains whose bounding spheres a line meets.
-pub(super) struct Near {
-    /// A bit for each slot.
-    pub(super) slots: u32,
-    /// From the point to where the line enters each sphere, quanta, to [`TOLERANCE`].
-    pub(super) enter: [f32; 16],
-}
-
-/// The line through `position` (cell quanta) along `direction`, from a little before the position on.
+/// A bit for each slot whose bounding sphere the line through `position` (cell quanta) along `direction` meets, from a
+/// little before the position on, and enters within `[first, last]` of it, to [`TOLERANCE`].
 #[inline(always)]
 pub(super) fn near<S: Simd>(
     simd: S,
     block: &Block,
-    position: [f32; 3],
-    direction: [f32; 3],
-) -> Near {
+    (position, direction): ([f32; 3], [f32; 3]),
+    [first, last]: [f32; 2],
+) -> u32 {
+    let splat = |x: f32| f32x16::splat(simd, x);
     let Meeting { met, middle, half } = meet(simd, block, position, direction);
     let (enter, leave) = (middle - half, middle + half);
-    let ahead = met & leave.simd_gt(f32x16::splat(simd, -TOLERANCE));
-    let mut near = Near { slots: ahead.to_bitmask() as u32, enter: [0.0; 16] };
-    enter.store_slice(&mut near.enter);
-    near
+    let ahead = leave.simd_gt(splat(-TOLERANCE));
+    let within = enter.simd_ge(splat(first - TOLERANCE)) & enter.simd_le(splat(last + TOLERANCE));
+    (met & ahead & within).to_bitmask() as u32
 }

@@ -2,10 +2,9 @@
 
 use super::Packer;
 use super::batches::{HeldBrick, ReachingGrain};
-use super::overlap::{ListedGrains, mark_overlapping};
+use super::overlap::{ListedGrains, Shaped, mark_overlapping};
 use crate::grain_grid::block::{MEETS_SURFACE, OVERLAPS};
 use crate::grain_grid::packed_cells::{BRICK, CELLS_PER_BRICK};
-use crate::grain_grid::shapes::SLACK;
 use crate::grain_grid::{Block, BlockShapes, CellEntry, GRAINS_PER_BLOCK};
 use crate::strata::BlockStrata;
 use fearless_simd::{Level, dispatch};
@@ -99,7 +98,6 @@ impl Packer<'_> {
         scratch: &mut Scratch,
     ) {
         let Scratch { listed, blocks, owners, overlapping } = scratch;
-        let slack = if self.words.is_empty() { 0 } else { SLACK };
         let mut starts = [0u32; CELLS_PER_BRICK];
         let mut needed = 0;
         for (start, &count) in starts.iter_mut().zip(counts) {
@@ -125,15 +123,29 @@ impl Packer<'_> {
             blocks[at].set(slot % GRAINS_PER_BLOCK, local, radius);
             owners[at][slot % GRAINS_PER_BLOCK] = grain;
         }
-        dispatch!(level, simd => {
-            for (&start, &count) in starts.iter().zip(counts) {
-                let count = usize::from(count);
-                let range = start as usize..start as usize + count.div_ceil(GRAINS_PER_BLOCK);
-                let owners = &owners[range.clone()];
-                let cell = ListedGrains { blocks: &blocks[range], owners, count, slack };
-                mark_overlapping(simd, &cell, overlapping);
+        let listed = |cell: usize| {
+            let (start, count) = (starts[cell] as usize, usize::from(counts[cell]));
+            let range = start..start + count.div_ceil(GRAINS_PER_BLOCK);
+            ListedGrains { blocks: &blocks[range.clone()], owners: &owners[range], count }
+        };
+        if self.words.is_empty() {
+            dispatch!(level, simd => {
+                for cell in 0..CELLS_PER_BRICK {
+                    mark_overlapping(simd, &listed(cell), overlapping);
+                }
+            });
+        } else {
+            let words = |grain: u32| self.words[grains[grain as usize].grain as usize];
+            let shaped = Shaped {
+                hulls: self.hulls,
+                words: &words,
+                margin: self.margin,
+                side: self.layout.side,
+            };
+            for cell in 0..CELLS_PER_BRICK {
+                shaped.mark_overlapping(&listed(cell), overlapping);
             }
-        });
+        }
         for (grain, _) in grains.iter().zip(overlapping).filter(|(_, overlaps)| **overlaps) {
             self.set_flag(grain.grain, OVERLAPS);
         }

@@ -1,8 +1,10 @@
 //! Which grains overlap others.
 
 use crate::grain_grid::block::RADIUS_MASK;
-use crate::grain_grid::{Block, GRAINS_PER_BLOCK};
+use crate::grain_grid::hull::{Hull, Placed};
+use crate::grain_grid::{Block, GRAINS_PER_BLOCK, Placement, ShapeWord};
 use fearless_simd::Simd;
+use snowgrain_math::DVec3;
 
 /// Grains whose surfaces interpenetrate by less than this many quanta only touch: rounding to the
 /// lattice moves two grains by at most 1.74 quanta against each other.
@@ -30,8 +32,6 @@ pub(super) struct ListedGrains<'a> {
     pub(super) owners: &'a [[u32; GRAINS_PER_BLOCK]],
     /// Grains listed.
     pub(super) count: usize,
-    /// By how much larger than the grains each of two balls is.
-    pub(super) slack: u16,
 }
 
 /// Marks the grains of a cell that overlap another one of it.
@@ -48,7 +48,7 @@ pub(super) fn mark_overlapping<S: Simd>(_: S, cell: &ListedGrains<'_>, overlappi
         let radius = block.radius[slot];
         overlapping[owner] = cell.blocks.iter().enumerate().any(|(other, block)| {
             let but = if other == at { slot } else { GRAINS_PER_BLOCK };
-            overlaps_any(block, center, (radius, TOUCH + 2 * cell.slack), but)
+            overlaps_any(block, center, radius, but)
         });
     }
 }
@@ -56,16 +56,11 @@ pub(super) fn mark_overlapping<S: Simd>(_: S, cell: &ListedGrains<'_>, overlappi
 /// Whether a grain overlaps one of the block but that in slot `but`. Without a branch a slot, so
 /// that the compiler makes vectors of it.
 #[inline(always)]
-fn overlaps_any(
-    block: &Block,
-    center: [u16; 3],
-    (radius, most_touch): (u16, u16),
-    but: usize,
-) -> bool {
+fn overlaps_any(block: &Block, center: [u16; 3], radius: u16, but: usize) -> bool {
     let mut hits = [0u16; GRAINS_PER_BLOCK];
     for (slot, hit) in hits.iter_mut().enumerate() {
         let other = block.radius[slot];
-        let touch = most_touch.min(radius.min(other) / 16);
+        let touch = TOUCH.min(radius.min(other) / 16);
         let sum = radius + other - touch;
         let far = 2 * RADIUS_MASK + 1;
         let square = |a: u16, b: u16| {
@@ -82,4 +77,86 @@ fn overlaps_any(
         hits[but] = 0;
     }
     hits.iter().fold(0, |any, &hit| any | hit) != 0
+}
+
+/// What there is to know of grains of shapes.
+pub(super) struct Shaped<'a> {
+    /// Of each prototype.
+    pub(super) hulls: &'a [Hull],
+    /// The shape of a grain, by its owner's number.
+    pub(super) words: &'a dyn Fn(u32) -> u64,
+    /// Of a cell, in cell quanta: its low faces and its edges.
+    pub(super) margin: i32,
+    pub(super) side: [i32; 3],
+}
+
+/// One grain of a cell.
+#[derive(Clone, Copy)]
+struct Listed {
+    owner: u32,
+    center: [u16; 3],
+    radius: u16,
+}
+
+impl Shaped<'_> {
+    /// Marks the grains of a cell that may overlap another one of it, where the cell is the one that answers for both.
+    pub(super) fn mark_overlapping(&self, cell: &ListedGrains<'_>, overlapping: &mut [bool]) {
+        for one in 0..cell.count {
+            let a = cell.grain(one);
+            for b in (one + 1..cell.count).map(|other| cell.grain(other)) {
+                let known = overlapping[a.owner as usize] && overlapping[b.owner as usize];
+                if !known && self.answers_for(&a, &b) && !self.are_apart(&a, &b) {
+                    overlapping[a.owner as usize] = true;
+                    overlapping[b.owner as usize] = true;
+                }
+            }
+        }
+    }
+
+    /// Whether the balls of two grains meet and their lens has its middle in the cell: it lies in both, so exactly
+    /// one of the cells that list both answers.
+    fn answers_for(&self, a: &Listed, b: &Listed) -> bool {
+        let between: [i32; 3] =
+            std::array::from_fn(|axis| i32::from(b.center[axis]) - i32::from(a.center[axis]));
+        let distance2: i64 = between.iter().map(|&d| i64::from(d) * i64::from(d)).sum();
+        let (ra, rb) = (i64::from(a.radius), i64::from(b.radius));
+        if distance2 >= (ra + rb) * (ra + rb) {
+            return false;
+        }
+        // Of balls one within the other, the centre of the smaller.
+        let along = (distance2 + ra * ra - rb * rb) as f64 / (2 * distance2.max(1)) as f64;
+        let along = along.clamp(0.0, 1.0);
+        (0..3).all(|axis| {
+            let step = (f64::from(between[axis]) * along).round() as i32;
+            let middle = i32::from(a.center[axis]) + step - self.margin;
+            (0..self.side[axis]).contains(&middle)
+        })
+    }
+
+    fn are_apart(&self, a: &Listed, b: &Listed) -> bool {
+        let placed = |grain: &Listed| {
+            let placement = Placement::of(ShapeWord::of_slot((self.words)(grain.owner)));
+            Placed { hull: &self.hulls[placement.prototype], placement }
+        };
+        let (one, other) = (placed(a), placed(b));
+        if one.hull.is_ball() && other.hull.is_ball() {
+            let radius = |grain: &Placed<'_>| grain.placement.radius as u16;
+            let center = |grain: &Listed| grain.center.map(i32::from);
+            return !overlaps(center(a), radius(&one), center(b), radius(&other));
+        }
+        let center = |grain: &Listed| DVec3::from_array(grain.center.map(f64::from));
+        one.is_apart_from(&other, center(b) - center(a))
+    }
+}
+
+impl ListedGrains<'_> {
+    fn grain(&self, number: usize) -> Listed {
+        let (at, slot) = (number / GRAINS_PER_BLOCK, number % GRAINS_PER_BLOCK);
+        let block = &self.blocks[at];
+        Listed {
+            owner: self.owners[at][slot],
+            center: [block.x[slot], block.y[slot], block.z[slot]],
+            radius: block.radius[slot],
+        }
+    }
 }
