@@ -253,7 +253,7 @@ pub(crate) struct SnowArguments {
     pub(crate) radius: Vec<Series>,
 
     /// What the grains are, met at random in all orientations alike: spheres, the shapes of a kind of snow (fresh,
-    /// faceted, depth-hoar, ...), or a file of [[shapes]] tables with the keys of [[snow.shapes]] of a scene. Their
+    /// faceted, depth-hoar, ...), or a file of `[[shapes]]` tables with the keys of `[[snow.shapes]]` of a scene. Their
     /// radius is that of spheres of equal volume
     #[arg(
         long,

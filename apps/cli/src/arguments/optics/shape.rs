@@ -15,7 +15,7 @@ pub(crate) struct ShapeArguments {
     pub(crate) shape: Option<ShapeName>,
 
     /// Several shapes instead, as snow of them scatters, each in all orientations alike: the shapes of a kind of snow
-    /// (fresh, faceted, ...), or a file of [[shapes]] tables with the keys of [[snow.shapes]] of a scene
+    /// (fresh, faceted, ...), or a file of `[[shapes]]` tables with the keys of `[[snow.shapes]]` of a scene
     #[arg(long, value_name = "NAME|FILE.toml", conflicts_with_all = ["shape", "polarisation"])]
     pub(crate) shapes: Option<String>,
 
