@@ -10,9 +10,9 @@ use snowgrain_optics::colour::chromaticity;
 use snowgrain_optics::{IceAbsorption, Illuminant, Impurity, ImpurityKind, Load};
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
-    Albedo, AlbedoSettings, GrainLayer, Incidence, Pack, Polarisation, SnowLayer, SnowStack,
-    Theory, colour_wavelengths_nm, colours, flux_profile, grain_albedo, homogeneous_albedo,
-    theoretical_albedo,
+    Albedo, AlbedoSettings, GrainLayer, Incidence, Pack, Polarisation, Scatterers, SnowLayer,
+    SnowStack, Theory, colour_wavelengths_nm, colours, flux_profile, grain_albedo,
+    homogeneous_albedo, theoretical_albedo,
 };
 
 const DENSITY: f64 = 300.0;
@@ -47,8 +47,13 @@ fn incidence(zenith: &str) -> Incidence {
 }
 
 fn layer(radius_um: f64, depth: f64) -> SnowStack {
-    let layer =
-        SnowLayer { radius: radius_um * 1e-6, density: DENSITY, depth, impurities: Vec::new() };
+    let layer = SnowLayer {
+        scatterers: Scatterers::Spheres,
+        radius: radius_um * 1e-6,
+        density: DENSITY,
+        depth,
+        impurities: Vec::new(),
+    };
     SnowStack { layers: vec![layer], ground_albedo: 0.0, ice: IceAbsorption::Picard2016 }
 }
 
@@ -394,6 +399,7 @@ fn theories_come_as_near_as_they_are_known_to() {
 #[test]
 fn grains_of_several_layers_are_traced_as_one_pack() {
     let layer = |radius: f64, depth: f64, soot: f64| SnowLayer {
+        scatterers: Scatterers::Spheres,
         radius,
         density: 200.0,
         depth,
@@ -440,4 +446,55 @@ fn grains_of_several_layers_are_traced_as_one_pack() {
     });
     // Most of the ice lies below.
     assert!(absorbed[1] > 1.5 * absorbed[0], "{absorbed:?}");
+}
+
+/// Spheroids that are spheres are sampled as any shape is, and have the albedo of spheres; impurities make both as dark.
+#[test]
+fn sampled_grains_reflect_as_those_of_the_closed_form() {
+    use snowgrain_geometry::{Shape, ShapeKind};
+    use snowgrain_grains::{MixedShape, Orientation, ShapeMix};
+    use snowgrain_render::laboratory::ScatteringMix;
+    use std::sync::Arc;
+    let shape = Arc::new(Shape::new(ShapeKind::Spheroid { aspect: 1.0 }).expect("a sphere"));
+    let mixed = MixedShape { shape, orientation: Orientation::Random, fraction: 1.0 };
+    let mix = ShapeMix::new(vec![mixed], 0).expect("one shape");
+    let scatterers = Scatterers::Shapes(Arc::new(ScatteringMix::new("round", mix, 3)));
+    assert!((scatterers.shadow() - 1.0).abs() < 1e-3 && (scatterers.surface() - 1.0).abs() < 1e-3);
+    let kind = ImpurityKind::BlackCarbon;
+    let soot = Impurity { kind, load: Load::MassFraction(2e-6) };
+    let mut spheres = layer(200.0, 0.02);
+    spheres.layers[0].impurities = vec![soot];
+    let mut sampled = spheres.clone();
+    sampled.layers[0].scatterers = scatterers;
+    // One refractive index: samples are made once.
+    let settings = settings(vec![700.0], Incidence::Sun { zenith_degrees: 50.0 });
+    let [one, other] = [&spheres, &sampled].map(|stack| find(stack, &settings)[0]);
+    println!("{one:?} {other:?}");
+    for (a, b) in [(one.reflectance, other.reflectance), (one.transmittance, other.transmittance)] {
+        // What 2^21 samples may be off beside.
+        let allowed = 4.0 * (a.standard_error + b.standard_error) + 0.001;
+        assert!((a.mean - b.mean).abs() < allowed, "{a:?} {b:?}");
+    }
+    let theory = |stack: &SnowStack| {
+        theoretical_albedo(
+            Theory::WiscombeWarren,
+            stack,
+            Incidence::Diffuse,
+            Polarisation::Redrawn,
+            700.0,
+        )
+    };
+    let [one, other] =
+        [&spheres, &sampled].map(|of| theory(of).expect("one layer").reflectance.mean);
+    assert!((one - other).abs() < 0.002, "{one} {other}");
+    assert!(
+        theoretical_albedo(
+            Theory::BohrenBarkstrom,
+            &sampled,
+            Incidence::Diffuse,
+            Polarisation::Redrawn,
+            700.0
+        )
+        .is_none()
+    );
 }

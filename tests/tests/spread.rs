@@ -4,13 +4,20 @@
 use snowgrain_optics::IceAbsorption;
 use snowgrain_render::SimdLevel;
 use snowgrain_render::laboratory::{
-    AlbedoSettings, FaceSpread, GrainLayer, Incidence, Pack, Polarisation, SnowLayer, SnowStack,
-    Spread, SpreadSettings, grain_albedo, grain_spread, homogeneous_albedo, homogeneous_spread,
+    AlbedoSettings, FaceSpread, GrainLayer, Incidence, Pack, Polarisation, Scatterers, SnowLayer,
+    SnowStack, Spread, SpreadSettings, grain_albedo, grain_spread, homogeneous_albedo,
+    homogeneous_spread,
 };
 
 /// Grains of half a millimetre, in ice that is clear.
 fn snow(density: f64, depth: f64) -> SnowStack {
-    let layer = SnowLayer { radius: 5e-4, density, depth, impurities: vec![] };
+    let layer = SnowLayer {
+        scatterers: Scatterers::Spheres,
+        radius: 5e-4,
+        density,
+        depth,
+        impurities: vec![],
+    };
     SnowStack { layers: vec![layer], ground_albedo: 0.0, ice: IceAbsorption::WarrenBrandt2008 }
 }
 

@@ -108,7 +108,7 @@ pub(crate) struct SceneArguments {
     pub(crate) object_size: Option<f64>,
 
     /// Kind of snow on a mesh or shot given as SCENE: fresh, wind-slab, old, corn, melt-freeze-crust, firn,
-    /// depth-hoar, surface-hoar or graupel
+    /// faceted, depth-hoar, surface-hoar or graupel
     #[arg(long, value_name = "KIND", value_parser = values::kind)]
     pub(crate) kind: Option<SnowKindName>,
 

@@ -13,6 +13,8 @@ pub(crate) struct BuildTimes {
     pub(crate) deposit: Spent,
     /// Surfaces, and packing for light.
     pub(crate) build: Spent,
+    /// What is measured of the search for light, and learnt of light deep in the snow.
+    pub(crate) learning: Spent,
 }
 
 impl BuildTimes {
@@ -20,9 +22,8 @@ impl BuildTimes {
     pub(crate) fn book(&mut self, stage: BuildStage, spent: Spent) {
         match stage {
             BuildStage::Snow { .. } | BuildStage::Fallen { .. } => self.deposit += spent,
-            BuildStage::Surfaces | BuildStage::Packing | BuildStage::Light | BuildStage::Deep => {
-                self.build += spent
-            }
+            BuildStage::Surfaces | BuildStage::Packing => self.build += spent,
+            BuildStage::Light | BuildStage::Deep => self.learning += spent,
         }
     }
 }
@@ -38,6 +39,9 @@ pub(crate) struct RunFigures {
     pub(crate) deposit_cpu_seconds: f64,
     pub(crate) build_seconds: f64,
     pub(crate) build_cpu_seconds: f64,
+    /// Of the search for light, and of light deep in the snow.
+    pub(crate) learning_seconds: f64,
+    pub(crate) learning_cpu_seconds: f64,
     pub(crate) render_seconds: f64,
     pub(crate) render_cpu_seconds: f64,
     pub(crate) samples: u64,
@@ -188,6 +192,8 @@ impl Run<'_> {
             deposit_cpu_seconds: self.times.deposit.cpu,
             build_seconds: self.times.build.wall,
             build_cpu_seconds: self.times.build.cpu,
+            learning_seconds: self.times.learning.wall,
+            learning_cpu_seconds: self.times.learning.cpu,
             render_seconds: self.render.wall,
             render_cpu_seconds: self.render.cpu,
             samples: counts.paths,
@@ -248,9 +254,10 @@ impl RunFigures {
             ));
         }
         lines.push(format!(
-            "snow {}, surfaces and packing {}, rendering {}",
+            "snow {}, surfaces and packing {}, learning {}, rendering {}",
             seconds(self.deposit_seconds, self.deposit_cpu_seconds),
             seconds(self.build_seconds, self.build_cpu_seconds),
+            seconds(self.learning_seconds, self.learning_cpu_seconds),
             seconds(self.render_seconds, self.render_cpu_seconds),
         ));
         let per_second = self.interface_events as f64 / self.render_cpu_seconds.max(1e-9);

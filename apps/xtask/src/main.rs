@@ -1,4 +1,4 @@
-//! Tasks of the project: `cargo xtask validate`, `look`, `packings`, `deep` and `stress`.
+//! Tasks of the project: `cargo xtask validate`, `look`, `packings`, `deep`, `roads` and `stress`.
 
 mod deep;
 mod figure;
@@ -6,6 +6,7 @@ mod look;
 mod packings;
 mod program;
 mod report;
+mod roads;
 mod sections;
 #[cfg(unix)]
 mod stress;
@@ -32,6 +33,8 @@ enum Task {
     Packings(packings::Options),
     /// Compares light that ends deep in the snow with light that is followed to its end, and writes deep.md
     Deep(deep::Options),
+    /// Compares ways in which light may go through snow with light that meets every grain, and writes roads.md
+    Roads(roads::Options),
     /// Kills, stops and starves renders, and counts what becomes of them
     #[cfg(unix)]
     Stress(stress::Options),
@@ -43,6 +46,7 @@ fn main() -> anyhow::Result<ExitCode> {
         Task::Look(options) => look::look(&options)?,
         Task::Packings(options) => packings::packings(&options)?,
         Task::Deep(options) => deep::deep(&options)?,
+        Task::Roads(options) => roads::roads(&options)?,
         #[cfg(unix)]
         Task::Stress(options) => stress::stress(&options)?,
     };

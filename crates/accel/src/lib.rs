@@ -19,7 +19,8 @@ pub use flight::{
     ProbeAnswer, Probes, ShapedArrival,
 };
 pub use grain_grid::{
-    GrainGrid, GrainParts, GridError, GridPosition, Interior, LatticeCell, Packing, ShapedGrains,
+    Extent, GrainGrid, GrainParts, GridError, GridPosition, Interior, LatticeCell, Packing,
+    ShapedGrains, SizesPerVolume, TiledGrains, tile_divisor,
 };
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,

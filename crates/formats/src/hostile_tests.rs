@@ -36,7 +36,15 @@ fn survive(path: &Path) {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("toml") => {
             let _ = SceneFile::read(path, &[]).and_then(|file| file.at_frame(1));
-            said(laboratory::read_layers(path).map(drop));
+            said(
+                laboratory::read_layers(
+                    path,
+                    &snowgrain_render::laboratory::Scatterers::Spheres,
+                    0,
+                )
+                .map(drop),
+            );
+            said(laboratory::read_scatterers(&path.to_string_lossy(), 0).map(drop));
         }
         Some("obj") => said(load_mesh(path).map(drop)),
         Some("ply") => {

@@ -1,4 +1,8 @@
-//! Layers of snow and loads of impurities as users write them.
+//! Layers of snow, shapes of grains and loads of impurities as users write them.
+
+mod shapes;
+
+pub use shapes::read_scatterers;
 
 use crate::error::{Fault, FormatsError, Place};
 use crate::input;
@@ -6,7 +10,7 @@ use crate::scene::Length;
 use serde::Deserialize;
 use snowgrain_optics::ice::{ICE_DENSITY, radius_of_specific_surface_area};
 use snowgrain_optics::{Impurity, ImpurityKind, Load};
-use snowgrain_render::laboratory::{MOST_LAYERS, SnowLayer};
+use snowgrain_render::laboratory::{MOST_LAYERS, Scatterers, SnowLayer};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -104,6 +108,7 @@ struct LayerTable {
     bottom: Written,
     radius: Option<Written>,
     ssa: Option<f64>,
+    shapes: Option<String>,
     density: f64,
     #[serde(default)]
     impurities: BTreeMap<String, Written>,
@@ -127,12 +132,17 @@ impl Written {
     }
 }
 
-/// Reads a file of layers, from the top down.
+/// Reads a file of layers, from the top down. Their grains are `others` where a layer names none (`shapes`, see
+/// [`read_scatterers`]); `seed` is for those.
 ///
 /// # Errors
 /// A file that cannot be read or is no such file; a key with a wrong value; layers that are not in
 /// order. Every message names the file and the key.
-pub fn read_layers(path: &Path) -> Result<Vec<SnowLayer>, FormatsError> {
+pub fn read_layers(
+    path: &Path,
+    others: &Scatterers,
+    seed: u64,
+) -> Result<Vec<SnowLayer>, FormatsError> {
     let bytes = input::read_whole(path)?;
     let bad = |what: &str, mend: &str| Fault::whole(what, mend).of(path);
     let example = "write [[layer]] tables with bottom, radius and density";
@@ -149,6 +159,7 @@ pub fn read_layers(path: &Path) -> Result<Vec<SnowLayer>, FormatsError> {
         return Err(bad(&what, &format!("write at most {MOST_LAYERS}")));
     }
     let mut top = 0.0;
+    let mut named = BTreeMap::new();
     let mut layers = Vec::new();
     for (index, table) in file.layer.iter().enumerate() {
         let at = |key: &str, reason: String| {
@@ -160,12 +171,18 @@ pub fn read_layers(path: &Path) -> Result<Vec<SnowLayer>, FormatsError> {
                 format!("{bottom} m does not lie below {top} m; write layers from the top down");
             return Err(at("bottom", reason));
         }
+        let scatterers = match &table.shapes {
+            Some(name) => scatterers_of_layer(&mut named, path, name, seed)?,
+            None => others.clone(),
+        };
         let radius = match (&table.radius, table.ssa) {
             (Some(radius), None) => {
                 radius.metres().and_then(check_radius).map_err(|reason| at("radius", reason))?
             }
-            (None, Some(area)) => check_radius(radius_of_specific_surface_area(area))
-                .map_err(|reason| at("ssa", reason))?,
+            (None, Some(area)) => {
+                check_radius(radius_of_specific_surface_area(area) * scatterers.surface())
+                    .map_err(|reason| at("ssa", reason))?
+            }
             _ => return Err(at("radius", "write either radius or ssa".into())),
         };
         let density = check_density(table.density).map_err(|reason| at("density", reason))?;
@@ -181,10 +198,31 @@ pub fn read_layers(path: &Path) -> Result<Vec<SnowLayer>, FormatsError> {
         };
         let impurities =
             table.impurities.iter().map(impurity).collect::<Result<_, FormatsError>>()?;
-        layers.push(SnowLayer { radius, density, depth: bottom - top, impurities });
+        let depth = bottom - top;
+        layers.push(SnowLayer { scatterers, radius, density, depth, impurities });
         top = bottom;
     }
     Ok(layers)
+}
+
+/// The grains that a layer names; layers of one name share what is sampled. Files lie beside that of the layers.
+fn scatterers_of_layer(
+    named: &mut BTreeMap<String, Scatterers>,
+    path: &Path,
+    name: &str,
+    seed: u64,
+) -> Result<Scatterers, FormatsError> {
+    if let Some(known) = named.get(name) {
+        return Ok(known.clone());
+    }
+    let beside = path.parent().unwrap_or(Path::new("")).join(name);
+    let is_file = beside.extension().is_some_and(|end| end == "toml");
+    let read = match beside.to_str() {
+        Some(file) if is_file => read_scatterers(file, seed)?,
+        _ => read_scatterers(name, seed)?,
+    };
+    named.insert(name.to_owned(), read.clone());
+    Ok(read)
 }
 
 #[cfg(test)]
@@ -195,7 +233,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("layers.toml");
         std::fs::write(&path, text).unwrap();
-        read_layers(&path).map_err(|error| error.to_string())
+        read_layers(&path, &Scatterers::Spheres, 0).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -210,6 +248,26 @@ mod tests {
         assert_eq!(layers[0].impurities[0].load, Load::MassFraction(100.0 * 1e-9));
         assert_eq!(layers[0].impurities[1].load, Load::CellsPerKilogram(200_000.0));
         assert!((layers[1].radius - 163.577e-6).abs() < 1e-9 && layers[1].depth.is_infinite());
+    }
+
+    #[test]
+    fn layers_of_one_name_share_their_shapes() {
+        let layer = |bottom: u32, shapes: &str| {
+            format!("[[layer]]\nbottom = {bottom}\nssa = 20\ndensity = 90\n{shapes}")
+        };
+        let named = "shapes = \"fresh\"\n";
+        let text = layer(1, named) + &layer(2, "") + &layer(3, named);
+        let layers = read(&text).unwrap();
+        let [Scatterers::Shapes(one), Scatterers::Spheres, Scatterers::Shapes(other)] =
+            [0, 1, 2].map(|index: usize| &layers[index].scatterers)
+        else {
+            panic!("{layers:?}");
+        };
+        assert!(std::sync::Arc::ptr_eq(one, other));
+        // Plates have more surface than spheres of their volume, so those of one area are larger.
+        assert!(layers[0].radius > 1.3 * layers[1].radius, "{layers:?}");
+        let error = read(&layer(1, "shapes = \"slush\"\n")).unwrap_err();
+        assert!(error.contains("slush"), "{error}");
     }
 
     #[test]

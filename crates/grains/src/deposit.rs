@@ -40,6 +40,7 @@ use crate::fill::KnownPacks;
 use crate::lattice::lattice_grains;
 use crate::{
     Amount, DepositSettings, GrainField, GrainsError, ICE_DENSITY, LatticeSettings, Settling,
+    ShapeMix,
 };
 use ground::Ground;
 use pile::Pile;
@@ -80,6 +81,8 @@ pub struct Snowfall<'a> {
     placed: Vec<QuantisedGrain>,
     /// Packs that bodies were filled with.
     packs: KnownPacks,
+    /// Shapes of the snow to come, which a density is that of.
+    shapes: Option<ShapeMix>,
     snowfalls: u64,
     simd_level: SimdLevel,
     /// Follows drops one after another on all of the plan: the meaning of all other ways.
@@ -114,6 +117,7 @@ impl<'a> Snowfall<'a> {
             pile: Pile::default(),
             placed: Vec::new(),
             packs: KnownPacks::default(),
+            shapes: None,
             snowfalls: 0,
             simd_level: SimdLevel::detect(),
             sequential: false,
@@ -124,8 +128,15 @@ impl<'a> Snowfall<'a> {
         self.quantisation
     }
 
-    pub(crate) fn known_packs(&mut self) -> &mut KnownPacks {
-        &mut self.packs
+    /// Packs that were made, and the shapes of those to come.
+    pub(crate) fn known_packs(&mut self) -> (&mut KnownPacks, Option<&ShapeMix>) {
+        (&mut self.packs, self.shapes.as_ref())
+    }
+
+    /// Snow to come has these shapes, spheres where there are none: densities are those of the union of what grains
+    /// are, although they fall and are packed as spheres of equal volume.
+    pub fn set_shapes(&mut self, shapes: Option<ShapeMix>) {
+        self.shapes = shapes.filter(|mix| !mix.is_all_spheres());
     }
 
     /// Uses this SIMD level instead of the best one; the grains do not change.

@@ -7,13 +7,15 @@
 
 mod solid;
 mod surface;
+mod tiled;
 
 pub use solid::Solid;
 pub use surface::{HeightField, PlanImage};
+pub use tiled::TiledFill;
 
 use crate::pack::{PackMethod, PackSettings, PeriodicPack};
 use crate::shapes::digest;
-use crate::{GrainField, GrainsError, ICE_DENSITY, Snowfall};
+use crate::{GrainField, GrainsError, ICE_DENSITY, ShapeMix, Snowfall};
 use rayon::prelude::*;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::sampler::{PathKey, numbers};
@@ -100,19 +102,25 @@ pub struct FillReport {
 
 /// Packs made so far, by what was asked.
 #[derive(Debug, Default)]
-pub(crate) struct KnownPacks(Vec<(PackSettings, Arc<PeriodicPack>)>);
+pub(crate) struct KnownPacks(Vec<(PackSettings, Option<ShapeMix>, Arc<PeriodicPack>)>);
 
 impl KnownPacks {
     fn pack(
         &mut self,
-        settings: &PackSettings,
+        (settings, shapes): (&PackSettings, Option<&ShapeMix>),
         quantum: f64,
     ) -> Result<Arc<PeriodicPack>, GrainsError> {
-        if let Some((_, pack)) = self.0.iter().find(|(known, _)| known == settings) {
+        let is_it = |known: &&(PackSettings, Option<ShapeMix>, Arc<PeriodicPack>)| {
+            known.0 == *settings && known.1.as_ref() == shapes
+        };
+        if let Some((_, _, pack)) = self.0.iter().find(is_it) {
             return Ok(Arc::clone(pack));
         }
-        let pack = Arc::new(settings.make(quantum)?);
-        self.0.push((settings.clone(), Arc::clone(&pack)));
+        let pack = Arc::new(match shapes {
+            Some(mix) => settings.make_of(mix, quantum)?,
+            None => settings.make(quantum)?,
+        });
+        self.0.push((settings.clone(), shapes.cloned(), Arc::clone(&pack)));
         Ok(pack)
     }
 }
@@ -141,7 +149,8 @@ impl Snowfall<'_> {
     /// beyond the lattice of quanta.
     pub fn fill(&mut self, settings: &FillSettings) -> Result<FillReport, GrainsError> {
         let quantisation = self.quantisation();
-        let pack = self.known_packs().pack(&settings.pack, quantisation.quantum())?;
+        let (packs, shapes) = self.known_packs();
+        let pack = packs.pack((&settings.pack, shapes), quantisation.quantum())?;
         let grains = pack.within(&quantisation, settings)?;
         let report = FillReport {
             grains: grains.len() as u64,

@@ -1,10 +1,12 @@
 //! Measures of a pack: how much of space is ice, what touches what, what hangs together.
 
-mod buckets;
+pub(crate) mod bodies;
+pub(crate) mod buckets;
 mod columns;
 mod connections;
 mod fractions;
 mod lines;
+pub(crate) mod meeting;
 mod region;
 mod structure;
 
@@ -12,7 +14,7 @@ pub use columns::solid_fractions_along_lines;
 pub use connections::{Connections, TOUCH_TOLERANCE_QUANTA, connections, connections_of_pack};
 pub use fractions::{
     Estimate, Slab, mean_surface_height, nominal_solid_fraction, solid_fraction_profile,
-    union_solid_fraction,
+    union_solid_fraction, union_solid_fraction_of_pack,
 };
 
 pub use structure::{Directed, Sizes, Structure};

@@ -8,17 +8,21 @@
 
 mod attach;
 mod relax;
+mod vary;
 
 use crate::deposit::aim::{Aim, MOST_FALLS};
+use crate::measures::union_solid_fraction_of_pack;
 use crate::{
     Amount, DepositRule, DepositSettings, GrainField, GrainsError, ICE_DENSITY, Radii, Settling,
-    Snowfall,
+    ShapeMix, Snowfall,
 };
 use core::f64::consts::PI;
 use relax::Spheres;
+use snowgrain_accel::tile_divisor;
 use snowgrain_geometry::{Quantisation, QuantisedGrain};
 use snowgrain_math::{DVec3, trig};
 use std::fmt;
+pub use vary::VARIANTS;
 
 /// Density up to which snow falls as it is, kg/m^3: rolling reaches it at all sizes.
 const MOST_FALLEN: f64 = 520.0;
@@ -45,6 +49,10 @@ const TOUCH: f64 = 1.9;
 const GAP: f64 = 1.0;
 /// Overlap, quanta, that the search may leave.
 const TOLERANCE: f64 = 0.3;
+
+/// Points at which packs of shapes are measured, and how far their density may be off, as a logarithm.
+const SHAPED_POINTS: u32 = 400_000;
+const SHAPED_TOLERANCE: f64 = 0.02;
 
 /// A pack to make.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +135,8 @@ impl PackSettings {
         let moves = if fell {
             // The top is drawn down to, or up from, the image of the bottom; the rest is as it fell.
             let height = spheres.period.y;
-            spheres.period.y = (height * spheres.nominal() / wanted).round();
+            spheres.widen_plan();
+            spheres.period.y = spheres.whole(height * spheres.nominal() / wanted);
             let zone = SEAM * self.radii.largest() / quantum;
             let at_seam = |center: &DVec3| center.y < zone || center.y > height - zone;
             spheres.centers.iter().map(at_seam).collect()
@@ -138,7 +147,7 @@ impl PackSettings {
         };
         spheres.radii.iter_mut().for_each(|radius| *radius += 0.5 * GAP);
         let left = spheres.relax(&moves, TOLERANCE);
-        spheres.attach(TOUCH);
+        spheres.attach(TOUCH, 0);
         spheres.radii.iter_mut().for_each(|radius| *radius -= 0.5 * GAP);
         if left > 2.0 * GAP {
             let reason = format!("{} kg/m3 is not reached without overlap", self.density);
@@ -152,6 +161,59 @@ impl PackSettings {
             PackMethod::Compacted
         };
         Ok(spheres.rounded(quantum, method))
+    }
+
+    /// Makes the pack whose grains, as the shapes that they are, have the density: by packs of spheres of equal volume,
+    /// up to [`MOST_FALLS`] of them, as corners that reach into each other take room from the ice. The grains of the pack
+    /// are those spheres still.
+    ///
+    /// # Errors
+    /// As [`Self::make`]; a density that these shapes do not reach.
+    pub(crate) fn make_of(
+        &self,
+        mix: &ShapeMix,
+        quantum: f64,
+    ) -> Result<PeriodicPack, GrainsError> {
+        let mut aim = Aim::at(self.density);
+        let mut best: Option<PeriodicPack> = None;
+        for _ in 0..MOST_FALLS {
+            let aimed = Self { density: aim.density(), ..self.clone() };
+            let mut pack = match aimed.make(quantum) {
+                Ok(pack) => pack,
+                // What would make up for it is out of reach.
+                Err(error) if best.is_none() => return Err(error),
+                Err(_) => break,
+            };
+            let shaped = mix.drawn(pack.field.clone());
+            let union =
+                union_solid_fraction_of_pack(&shaped, pack.period, SHAPED_POINTS, self.seed);
+            pack.solid_fraction = union.mean;
+            let density = ICE_DENSITY * union.mean;
+            if best
+                .as_ref()
+                .is_none_or(|best| aim.miss(density) < aim.miss(ICE_DENSITY * best.solid_fraction))
+            {
+                best = Some(pack);
+            }
+            if aim.is_met_by(density) {
+                break;
+            }
+            aim.correct(density);
+        }
+        let pack = best.ok_or_else(|| self.out_of_reach(0.0))?;
+        let reached = ICE_DENSITY * pack.solid_fraction;
+        if aim.miss(reached) > SHAPED_TOLERANCE {
+            return Err(self.out_of_reach(reached));
+        }
+        Ok(pack)
+    }
+
+    fn out_of_reach(&self, reached: f64) -> GrainsError {
+        let reason = format!(
+            "{} kg/m3 is out of reach: grains of these shapes overlap, and reach {reached:.0} kg/m3",
+            self.density
+        );
+        GrainsError::setting("density", reason)
     }
 
     /// The slab that is nearest to the density, of up to [`MOST_FALLS`] snowfalls: what remains is made up
@@ -229,10 +291,37 @@ impl Spheres {
 
     /// Moves everything nearer together by `factor`; periods stay whole.
     fn scale(&mut self, factor: f64) {
-        let period = (self.period * factor).round();
+        let period = (self.period * factor).to_array().map(|edge| self.whole(edge));
+        self.stretch_to(DVec3::from_array(period));
+    }
+
+    /// Moves everything a little apart along x and z, so that these periods can be cut into equal cells; not nearer, so
+    /// that what touches does not overlap.
+    fn widen_plan(&mut self) {
+        let wider = |edge: f64| {
+            let divisor = self.divisor(edge);
+            (edge / divisor).ceil() * divisor
+        };
+        self.stretch_to(DVec3::new(wider(self.period.x), self.period.y, wider(self.period.z)));
+    }
+
+    fn stretch_to(&mut self, period: DVec3) {
         let factor = period / self.period;
         self.centers.iter_mut().for_each(|center| *center *= factor);
         self.period = period;
+    }
+
+    /// The number of equal cells that a period is cut into where tiles of the pack are packed for light.
+    fn divisor(&self, edge: f64) -> f64 {
+        let cubes: f64 = self.radii.iter().map(|radius| radius * radius * radius).sum();
+        let count = self.radii.len() as f64;
+        tile_divisor(edge, trig::cbrt(cubes / count), count, self.volume()) as f64
+    }
+
+    /// The nearest period that can be cut so.
+    fn whole(&self, edge: f64) -> f64 {
+        let divisor = self.divisor(edge);
+        (edge / divisor).round() * divisor
     }
 
     /// Solid fraction of the union of spheres of which no three share a point, with all distances times

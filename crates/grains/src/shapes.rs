@@ -3,7 +3,7 @@
 //! Shape and orientation of a grain are a function of a seed and of the grain's place and size, so they are
 //! the same however many threads let it fall, and need not be stored while it falls.
 
-use crate::GrainsError;
+use crate::{GrainField, GrainsError};
 use core::f64::consts::TAU;
 use snowgrain_geometry::{GrainShape, QuantisedGrain, Shape};
 use snowgrain_math::sampler::{PathKey, numbers, split_mix};
@@ -52,10 +52,15 @@ impl ShapeMix {
     /// Of these shapes; `seed` chooses among the grains.
     ///
     /// # Errors
-    /// No shape, a fraction that is not positive and finite, an axis or spread without meaning.
+    /// No shape, or more than [`GrainShape::MOST_PROTOTYPES`]; a fraction that is not positive and finite, an axis or
+    /// spread without meaning.
     pub fn new(shapes: Vec<MixedShape>, seed: u64) -> Result<Self, GrainsError> {
         if shapes.is_empty() {
             return Err(GrainsError::setting("shapes", "must name at least one shape"));
+        }
+        if shapes.len() > GrainShape::MOST_PROTOTYPES {
+            let reason = format!("must be at most {}", GrainShape::MOST_PROTOTYPES);
+            return Err(GrainsError::setting("shapes", reason));
         }
         for MixedShape { orientation, fraction, .. } in &shapes {
             if !(*fraction > 0.0 && fraction.is_finite()) {
@@ -85,9 +90,26 @@ impl ShapeMix {
         self.shapes.iter().map(|mixed| mixed.shape.bounding_radius()).fold(1.0, f64::max)
     }
 
+    /// The grains with the shapes that they are drawn.
+    pub(crate) fn drawn(&self, field: GrainField) -> GrainField {
+        let shape = |grain: QuantisedGrain| {
+            let (which, quaternion) = self.draw(grain);
+            GrainShape::new(which, quaternion)
+        };
+        let prototypes = self.shapes.iter().map(|mixed| Shape::clone(&mixed.shape)).collect();
+        let of_grains = field.quantised().map(shape).collect();
+        field.with_shapes(FieldShapes { prototypes, of_grains })
+    }
+
     /// Which of the shapes a grain has, and the quaternion that turns it.
     #[must_use]
     pub fn draw(&self, grain: QuantisedGrain) -> (usize, [f64; 4]) {
+        self.draw_again(grain, 0)
+    }
+
+    /// The same shape, turned for the so manieth time after the first.
+    #[must_use]
+    pub fn draw_again(&self, grain: QuantisedGrain, turn: u32) -> (usize, [f64; 4]) {
         let key = PathKey::new(self.seed, digest(grain), 0x5_4a9e5);
         let all: f64 = self.shapes.iter().map(|shape| shape.fraction).sum();
         let mut rest = f64::from(numbers(key, 0)[0]) * all;
@@ -96,7 +118,7 @@ impl ShapeMix {
             rest -= self.shapes[index].fraction;
             index += 1;
         }
-        (index, self.shapes[index].orientation.draw(key))
+        (index, self.shapes[index].orientation.draw(key, turn))
     }
 }
 
@@ -122,9 +144,9 @@ impl Orientation {
         Ok(())
     }
 
-    /// A quaternion, by events 1 and 2 of the key.
-    fn draw(&self, key: PathKey) -> [f64; 4] {
-        let [a, b, c] = numbers(key, 1).map(f64::from);
+    /// A quaternion, by event 1 of the key, and those after it for further turns.
+    fn draw(&self, key: PathKey, turn: u32) -> [f64; 4] {
+        let [a, b, c] = numbers(key, 1 + turn).map(f64::from);
         match *self {
             // Shoemake 1992, "Uniform Random Rotations", Graphics Gems III.
             Self::Random => {

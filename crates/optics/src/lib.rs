@@ -13,6 +13,7 @@
 //! ```
 
 pub mod band;
+pub mod bohren_barkstrom;
 pub mod clear_sky;
 pub mod colour;
 pub mod colour_temperature;
@@ -38,6 +39,7 @@ pub mod uplift;
 pub mod water;
 
 pub use band::{BANDS, Band};
+pub use bohren_barkstrom::BohrenBarkstrom;
 pub use clear_sky::SunZenith;
 pub use colour::{Illuminant, Primaries};
 pub use dielectric::Dielectric;
@@ -49,7 +51,7 @@ pub use impurity::{Impurity, ImpurityKind, Load};
 pub use metal::Metal;
 pub use phase::PhaseTable;
 pub use scatter::{
-    Connection, Connector, PairPath, Passed, Pencil, ScatterTable, SpherePair, SphereVisit,
+    Between, Connection, Connector, PairPath, Passed, Pencil, ScatterTable, SpherePair, SphereVisit,
 };
 pub use spectrum::Spectrum;
 pub use strata_colour::StrataColour;

@@ -10,9 +10,10 @@ const PARTS: u32 = 1 << 14;
 /// Orders end where less of a ray is left.
 const LEAST_LIGHT: f64 = 1e-7;
 
-/// The phase function of a sphere without diffraction, for several absorptions of its ice.
+/// The phase function of a grain without diffraction, for several absorptions of its ice.
 ///
-/// Its mean over all directions is the single-scattering albedo: 1 where nothing is absorbed.
+/// Its mean over all directions is the single-scattering albedo, 1 where nothing is absorbed, less what goes
+/// straight through.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseTable {
     absorptions: usize,
@@ -21,6 +22,8 @@ pub struct PhaseTable {
     values: Vec<f32>,
     /// Bins for each unit of the cosine.
     scale: f32,
+    /// For each absorption what goes straight through.
+    straight: Vec<f64>,
 }
 
 impl PhaseTable {
@@ -46,13 +49,49 @@ impl PhaseTable {
             }
             from = to;
         }
-        // Parts of the energy, of which a bin has 1/bins of all directions.
+        Self::of_energies(&sums, bins, vec![0.0; absorptions.len()])
+    }
+
+    /// The table of grains that turned light so: cosine of the angle, exactly 1 where it went straight through, and
+    /// length in radii, each with the same part of the energy. Nothing at all where there is no light.
+    #[must_use]
+    pub fn of_samples(
+        light: impl ExactSizeIterator<Item = (f32, f64)>,
+        absorptions: &[f64],
+        bins: usize,
+    ) -> Self {
+        let bins = bins.max(1);
+        let (count, part) = (absorptions.len(), 1.0 / light.len().max(1) as f64);
+        let (mut sums, mut straight) = (vec![0.0; bins * count], vec![0.0; count]);
+        for (cosine, length) in light {
+            let bin = ((0.5 * (f64::from(cosine) + 1.0) * bins as f64) as usize).min(bins - 1);
+            let sums = match cosine {
+                1.0 => &mut straight[..],
+                _ => &mut sums[bin * count..(bin + 1) * count],
+            };
+            for (sum, absorption) in sums.iter_mut().zip(absorptions) {
+                *sum += part * trig::exp(-absorption * length);
+            }
+        }
+        Self::of_energies(&sums, bins, straight)
+    }
+
+    /// Of parts of the energy, of which a bin has 1/bins of all directions.
+    fn of_energies(sums: &[f64], bins: usize, straight: Vec<f64>) -> Self {
         Self {
-            absorptions: absorptions.len(),
+            absorptions: straight.len(),
             bins,
             values: sums.iter().map(|sum| (sum * bins as f64) as f32).collect(),
             scale: (0.5 * bins as f64) as f32,
+            straight,
         }
+    }
+
+    /// For each absorption the part of the light on a grain that goes straight through it and is not absorbed: none
+    /// of it is in the table.
+    #[must_use]
+    pub fn straight(&self) -> &[f64] {
+        &self.straight
     }
 
     /// Its values for all absorptions at a cosine of the scattering angle, in [-1, 1].
@@ -147,6 +186,24 @@ mod tests {
             let expected = sphere::co_albedo(ice, absorption);
             assert!((lost - expected).abs() < 2e-5, "{absorption}: {lost} {expected}");
         }
+    }
+
+    /// What goes straight through is told apart; the rest lies in its bins.
+    #[test]
+    fn samples_make_a_table() {
+        let light = [(1.0, 1.0), (0.3, 2.0), (-1.0, 0.0), (0.3, 0.0)];
+        let table = PhaseTable::of_samples(light.into_iter(), &[0.0, 0.5], 8);
+        let left = |length: f64| trig::exp(-0.5 * length);
+        let close = |found: &[f32], expected: [f64; 2]| {
+            let near = |(one, other): (&f32, &f64)| (f64::from(*one) - other).abs() < 1e-6;
+            assert!(found.iter().zip(&expected).all(near), "{found:?} {expected:?}");
+        };
+        assert_eq!(table.straight(), [0.25, 0.25 * left(1.0)]);
+        close(table.at(0.3), [4.0, 2.0 * (left(2.0) + 1.0)]);
+        close(table.at(-0.9), [2.0, 2.0]);
+        close(table.at(0.9), [0.0, 0.0]);
+        let sphere = PhaseTable::new(Dielectric { eta: 1.31 }, Polarisation::Redrawn, &[0.0], 8);
+        assert_eq!(sphere.straight(), [0.0]);
     }
 
     /// Bins of 10 degrees from the fine table, against the independent figures of `sphere`'s tests.

@@ -31,12 +31,6 @@ impl Impact {
         Self { theta_i, theta_t, reflectance: medium.reflectance_from_outside(cos_i) }
     }
 
-    /// The impact at this cosine of the angle of incidence, in [0, 1].
-    #[must_use]
-    pub fn at_cosine(medium: Dielectric, cos_theta_i: f64) -> Self {
-        Self::at_angle(medium, trig::acos(cos_theta_i.clamp(0.0, 1.0)))
-    }
-
     /// The impact at `u = sin^2 theta_i`, in [0, 1]: uniform over the disc that a beam sees.
     #[must_use]
     pub fn at_disc_fraction(medium: Dielectric, u: f64) -> Self {

@@ -6,7 +6,7 @@ use crate::RenderError;
 use crate::description::{SceneDescription, SnowDescription};
 use snowgrain_geometry::{GrainShape, Quantisation, QuantisedGrain, Shape, ShapeKind};
 use snowgrain_grains::shapes::digest;
-use snowgrain_grains::{FieldShapes, GrainField, GrainsError, Snowfall};
+use snowgrain_grains::{FieldShapes, GrainField, GrainsError, Snowfall, turned_to_touch};
 use std::collections::HashMap;
 
 /// The bodies of the grains that are known.
@@ -92,7 +92,14 @@ impl<'a> KnownGrains<'a> {
             next().unwrap_or(sphere)
         };
         let of_grains = field.quantised().map(shape).collect();
-        Ok(field.with_shapes(FieldShapes { prototypes: prototypes.shapes.into(), of_grains }))
+        let shapes = FieldShapes { prototypes: prototypes.shapes.into(), of_grains };
+        // What floats is turned, but for grains whose shapes a file tells.
+        let turned = |_, grain, turn| {
+            let body = self.body(grain);
+            let (which, quaternion) = description.shapes_of(body)?.draw_again(grain, turn);
+            Some(GrainShape::new(mixed[body][which], quaternion))
+        };
+        Ok(turned_to_touch(field.with_shapes(shapes), [0; 3], turned))
     }
 }
 

@@ -5,6 +5,7 @@ use crate::Strata;
 pub use crate::light::{LightDescription, LightKind};
 pub use crate::surface::Surface;
 use crate::transport::deep::DeepSettings;
+use crate::transport::medium::{MediumKind, ProxyStart};
 pub use crate::transport::seek::Sought;
 pub use snowgrain_accel::Packing;
 use snowgrain_geometry::TriangleMesh;
@@ -43,6 +44,8 @@ pub struct SceneDescription {
     pub deep: Option<DeepSettings>,
     /// How densely grains are packed for light; `None`: fast, where nothing else decides.
     pub packing: Option<Packing>,
+    /// Whether snow of packs is made of tiles that are kept once; `None`: where it has very many grains, and can be.
+    pub tiled: Option<bool>,
 }
 
 /// Size and sampling of the picture.
@@ -292,10 +295,12 @@ impl SceneDescription {
             .any(|body| self.shapes_of(body).is_some() || self.snow[body].has_shapes())
     }
 
-    /// Whether a picture is rendered with the arrivals of light at grains noted.
+    /// Whether a picture is rendered with the arrivals of light at grains noted, or something else asks for each grain.
     #[must_use]
     pub fn notes_visits(&self) -> bool {
-        self.light_finding != LightFinding::Exact || self.deep.is_some()
+        self.light_finding != LightFinding::Exact
+            || self.deep.is_some()
+            || self.integrator != IntegratorKind::Grains
     }
 
     /// How far grains of a body of snow may reach, in their radii.
@@ -341,11 +346,15 @@ impl SnowDescription {
 }
 
 /// The closed set of integrators.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum IntegratorKind {
     /// Every grain is met.
     #[default]
     Grains,
+    /// Grains are met at random in a smoothed density ([`crate::transport::medium`]).
+    Medium(MediumKind),
+    /// Every grain is met, but deep in the snow they are met at random.
+    ProxyInDepth(ProxyStart),
 }
 
 /// How light is found by paths among grains.

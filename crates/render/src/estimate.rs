@@ -2,8 +2,8 @@
 
 use crate::camera::Camera;
 use crate::description::{
-    DirectView, LightDescription, LightFinding, LightKind, ObjectDescription, ObjectShape, Packing,
-    SceneDescription, SnowDescription,
+    DirectView, IntegratorKind, LightDescription, LightFinding, LightKind, ObjectDescription,
+    ObjectShape, Packing, SceneDescription, SnowDescription,
 };
 use crate::light::slots_of;
 use crate::scene;
@@ -13,7 +13,8 @@ use snowgrain_accel::STRATA;
 use snowgrain_film::{IcePathLayout, PixelRect, PixelSums, ShadowSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
 use snowgrain_grains::{
-    Amount, DepositRule, DepositSettings, ICE_DENSITY, LatticeCell, LatticeSettings,
+    Amount, Body, DepositRule, DepositSettings, FillSettings, ICE_DENSITY, LatticeCell,
+    LatticeSettings, VARIANTS,
 };
 use snowgrain_math::{Aabb, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -36,6 +37,17 @@ const BYTES_PER_NOTED_GRAIN: f64 = 45.0;
 const SIDE_IN_RADII: f64 = 4.0;
 const CELLS_PER_BRICK_EDGE: f64 = 8.0;
 const BYTES_PER_BRICK: f64 = 2048.0;
+/// Of snow made of tiles: edges of its cells, grains of a tile at most, bricks at the faces of a box that differ, those of
+/// other bodies over the sides of the box around them, bytes of the cells of such a brick that no tile shows, bytes
+/// while it is made, and seconds of a processor a brick and a tile.
+const TILED_SIDE_IN_RADII: f64 = 2.5;
+const GRAINS_PER_TILE: f64 = 100_000.0;
+const BOX_BRICKS: f64 = 5_000.0;
+const FACES_OVER_BOX: f64 = 1.5;
+const FACE_BYTES_PER_BRICK: f64 = 8_000.0;
+const TILE_BUILDING_BYTES: u64 = 300 << 20;
+const SECONDS_PER_FACE_BRICK: f64 = 2e-4;
+const SECONDS_PER_TILE: f64 = 1.0;
 /// Bytes a triangle: as loaded, in the structure that finds it, and while that is built.
 const BYTES_PER_TRIANGLE: f64 = 180.0;
 /// Bytes a triangle with places in a picture.
@@ -71,6 +83,8 @@ const NOTED_PER_PATH: u64 = 16;
 const GRAINS_PER_LEARNT_CELL: u64 = 14;
 const BYTES_PER_LEARNT_CELL: u64 = 80;
 const BYTES_PER_OUTCOME: u64 = 52;
+/// Bytes a grain of the smoothed density that stands for it, while that is made.
+const BYTES_PER_SMOOTHED_GRAIN: u64 = 40;
 /// Pixels across and down that are asked whether they see the scene.
 const PROBES: u32 = 48;
 
@@ -138,6 +152,9 @@ impl CostEstimate {
                 cost.add_shapes(grains, description.reach_of(index));
             }
         }
+        if let Some(bodies) = scene::tiled_bodies(description) {
+            cost.replace_by_tiles(&bodies);
+        }
         if implicit(description, &objects) {
             (cost.grain_bytes, cost.building_bytes, cost.build_seconds) = (0, 0, 0.0);
         }
@@ -152,6 +169,10 @@ impl CostEstimate {
         cost.render_seconds = paths * seen(description, crop, &bounds) * SECONDS_PER_PATH;
         if let Some(deep) = description.deep.filter(|_| cost.grains > 0) {
             cost.add_deep(description, &deep);
+        }
+        if description.integrator != IntegratorKind::Grains {
+            let smoothed = cost.grains.saturating_mul(BYTES_PER_SMOOTHED_GRAIN);
+            cost.grain_bytes = cost.grain_bytes.saturating_add(smoothed);
         }
         if let LightFinding::Sampled(settings) = description.light_finding {
             cost.render_seconds *= SEARCHED_OVER_EXACT;
@@ -174,6 +195,29 @@ impl CostEstimate {
         self.surface_bytes += cells * (BYTES_PER_LEARNT_CELL + slots * BYTES_PER_OUTCOME);
         self.build_seconds += settings.learning_paths as f64 * SECONDS_PER_PATH;
         self.render_seconds /= EXACT_OVER_LEARNT;
+    }
+
+    /// Counts tiles of one pack in place of grains: the tiles, the table of bricks, and the bricks at the faces of bodies,
+    /// of which those of boxes repeat from tile to tile.
+    fn replace_by_tiles(&mut self, bodies: &[&FillSettings]) {
+        let radius = bodies[0].pack.radii.largest();
+        let edge = CELLS_PER_BRICK_EDGE * TILED_SIDE_IN_RADII * radius;
+        let (mut table, mut faces) = (0.0, 0.0);
+        for body in bodies {
+            let size = body.body.bounds().size();
+            let bricks = size / edge + 2.0;
+            table += bricks.x * bricks.y * bricks.z;
+            let around = bricks.x * bricks.y + bricks.y * bricks.z + bricks.z * bricks.x;
+            faces += match body.body {
+                Body::Box(_) => BOX_BRICKS.min(2.0 * around),
+                Body::Solid(_) | Body::Heights(_) => FACES_OVER_BOX * around,
+            };
+        }
+        let tiles = VARIANTS as f64 * GRAINS_PER_TILE * FAST_BYTES_PER_GRAIN;
+        let brick = BYTES_PER_BRICK + FACE_BYTES_PER_BRICK;
+        self.grain_bytes = (tiles + 4.0 * table + brick * faces) as u64;
+        self.building_bytes = TILE_BUILDING_BYTES;
+        self.build_seconds = faces * SECONDS_PER_FACE_BRICK + SECONDS_PER_TILE * VARIANTS as f64;
     }
 
     /// Bytes a pixel of what the film keeps beside its sums.

@@ -1,16 +1,20 @@
 //! A scene that light can travel through.
 
 mod quantisation;
+mod tiled;
 
 use crate::bodies::KnownGrains;
 use crate::camera::Camera;
 use crate::catchers;
-use crate::description::{LightFinding, ObjectShape, SceneDescription, SnowDescription};
+use crate::description::{
+    IntegratorKind, LightFinding, ObjectShape, SceneDescription, SnowDescription,
+};
 use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
-use crate::surface::Material;
+use crate::surface::{Material, Place};
 use crate::transport::deep::OutcomeField;
+use crate::transport::medium::{Medium, ProxyInDepth};
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
 use quantisation::{check_sizes, quantisation_of};
@@ -24,6 +28,8 @@ use snowgrain_math::DAffine3;
 use snowgrain_optics::{Dielectric, Grade, IceColour, StrataColour, sphere};
 use std::cell::LazyCell;
 use std::sync::Arc;
+pub(crate) use tiled::tiled_bodies;
+use tiled::tiled_grid;
 
 /// Quads along each edge of a patch of the built-in teapot: 65 536 triangles, 3 mm wide on a
 /// teapot of .2 m.
@@ -103,6 +109,10 @@ pub struct Scene {
     pub search: Option<LightSearch>,
     /// What light from deep in the snow brings; `None` where it is followed to its end.
     pub outcomes: Option<OutcomeField>,
+    /// The medium that stands for the grains, where one does.
+    pub medium: Option<Medium>,
+    /// Where grains are met at random instead, deep in the snow.
+    pub proxy: Option<ProxyInDepth>,
     /// The same and the colours of each band of wavelengths, where grains disperse light; else empty.
     pub bands: Vec<BandOptics>,
     /// The shadow catchers and the lights alone, where there are shadow catchers.
@@ -173,9 +183,28 @@ impl Scene {
         if description.camera.projection.finds_focus() {
             camera = camera.focused_on_surface(&world, level);
         }
-        let search = match description.light_finding {
-            LightFinding::Exact => None,
-            LightFinding::Sampled(settings) => {
+        let medium = match description.integrator {
+            IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_) => None,
+            IntegratorKind::Medium(kind) => {
+                let looks = description.light_finding != LightFinding::Exact;
+                let medium = Medium::new(kind, (&world, &lit.shapes), (&lights, looks));
+                let places: Vec<Place> = lit.shapes.iter().map(Place::new).collect();
+                let ice = &grade.colours()[0];
+                medium.map(|medium| medium.glowing((&world, &places), ice, film.seed))
+            }
+        };
+        let proxy = match description.integrator {
+            IntegratorKind::Grains | IntegratorKind::Medium(_) => None,
+            IntegratorKind::ProxyInDepth(start) => {
+                ProxyInDepth::new((&world, &lit.shapes), &lights, &start)
+            }
+        };
+        let search = match (description.light_finding, description.integrator) {
+            (LightFinding::Exact, _) | (_, IntegratorKind::Medium(_)) => None,
+            (
+                LightFinding::Sampled(settings),
+                IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_),
+            ) => {
                 stage(BuildStage::Light);
                 let size = [film.width, film.height];
                 let search =
@@ -188,7 +217,8 @@ impl Scene {
             stage(BuildStage::Deep);
             let lights = (&lights, search.as_ref());
             let picture = ([film.width, film.height], film.seed);
-            OutcomeField::learn((&world, &camera), lights, &settings, picture, level)
+            let world = (&world, &*prototypes, &camera);
+            OutcomeField::learn(world, lights, &settings, picture, level)
         });
         report.learnt = outcomes.as_ref().map(|field| (field.cells(), field.memory_bytes()));
         let catchers_alone = match catchers::alone(description) {
@@ -208,6 +238,8 @@ impl Scene {
             bands: bands_of(description, &grade, search.as_ref()),
             search,
             outcomes,
+            medium,
+            proxy,
             catchers_alone,
             light_layers,
             glint_layer,
@@ -233,6 +265,11 @@ impl Scene {
             Some(band) => (&band.colours, &band.strata_colours),
             None => (&self.colours, &self.strata_colours),
         }
+    }
+
+    /// Whether the light of paths is told by what was found on the way.
+    pub(crate) fn finds_on_the_way(&self) -> bool {
+        self.search.is_some() || self.outcomes.is_some() || self.medium.is_some()
     }
 
     /// Whether a ray of the camera may start in ice, as far as boxes tell.
@@ -384,6 +421,15 @@ fn build_grid(
             return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
         }
     }
+    if let Some(bodies) = tiled_bodies(description) {
+        let quantisation = quantisation_of(description, &objects);
+        check_sizes(description, quantisation)?;
+        let surfaces =
+            if has_lamps { Surfaces::new(&lit.shapes).with_level(level) } else { objects };
+        let world = (quantisation, &surfaces);
+        let (grid, digest) = tiled_grid(description, &bodies, world, report, stage)?;
+        return Ok(Packed { grid, surfaces, digest, prototypes: Arc::new([]) });
+    }
     let mut known = KnownGrains::of_scene(description);
     let field = fall(description, (&objects, level), &mut known, report, stage)?;
     stage(BuildStage::Packing);
@@ -446,6 +492,7 @@ fn fall(
     let mut snowfall = Snowfall::on_surfaces(quantisation, surfaces).with_simd_level(level);
     for (index, snow) in description.snow.iter().enumerate() {
         stage(BuildStage::Snow { index });
+        snowfall.set_shapes(description.shapes_of(index).cloned());
         let result = match snow {
             SnowDescription::Deposit(settings) => {
                 let mut fallen = |grains| stage(BuildStage::Fallen { index, grains });

@@ -2,14 +2,15 @@
 
 use crate::Strata;
 use crate::description::{
-    DirectView, Focus, IceDescription, LightDescription, LightFinding, LightKind, ObjectShape,
-    Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
+    DirectView, Focus, IceDescription, IntegratorKind, LightDescription, LightFinding, LightKind,
+    ObjectShape, Packing, Projection, Sampler, SceneDescription, SnowDescription, Surface,
 };
 use crate::surface::Reflectance;
 use crate::transport::deep::DeepSettings;
+use crate::transport::medium::{MediumKind, ProxyStart};
 use crate::transport::seek::Sought;
-use snowgrain_geometry::{Quantisation, TriangleMesh};
-use snowgrain_grains::{FieldShapes, GrainField, LatticeCell};
+use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh};
+use snowgrain_grains::{FieldShapes, FillSettings, GrainField, LatticeCell};
 use snowgrain_optics::{Absorption, Impurity, Load, Substance};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -31,6 +32,24 @@ impl GrainDigest {
         hash.words(&[u32::from(cell.radius)]);
         hash.doubles(&quantisation.origin().to_array());
         hash.doubles(&[quantisation.quantum()]);
+        Self(*hash.0.finalize().as_bytes())
+    }
+
+    /// Of bodies that are made of tiles, by the grains of these and what is asked for.
+    pub(crate) fn of_tiles(
+        quantisation: Quantisation,
+        packing: Packing,
+        variants: &[Vec<QuantisedGrain>],
+        bodies: &[&FillSettings],
+    ) -> Self {
+        let mut hash = Hash(blake3::Hasher::new());
+        hash.tag("tiles");
+        for grains in variants {
+            let field = GrainField::new(quantisation, grains.clone());
+            hash.0.update(&Self::new(quantisation, packing, &field).0);
+        }
+        // What Debug writes of a number reads back as that number.
+        bodies.iter().for_each(|body| hash.tag(&format!("{body:?}")));
         Self(*hash.0.finalize().as_bytes())
     }
 
@@ -83,7 +102,10 @@ pub fn recipe(scene: &SceneDescription) -> [u8; 32] {
     hash.tag(env!("CARGO_PKG_VERSION"));
     hash.0.update(&scene.film.seed.to_le_bytes());
     let (packing, film) = (scene.packing, &scene.film);
-    hash.tag(&format!("{packing:?} {} {}", film.keep_ice_paths, film.keep_light_groups));
+    hash.tag(&format!(
+        "{packing:?} {:?} {} {}",
+        scene.tiled, film.keep_ice_paths, film.keep_light_groups
+    ));
     for snow in &scene.snow {
         match snow {
             SnowDescription::Grains(field) => {
@@ -130,6 +152,17 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
                 settings.calibration_paths as u32,
                 (settings.calibration_paths >> 32) as u32,
             ]);
+        }
+    }
+    match scene.integrator {
+        IntegratorKind::Grains => {}
+        IntegratorKind::Medium(MediumKind::Volume) => hash.tag("volume"),
+        IntegratorKind::Medium(MediumKind::Proxy) => hash.tag("proxy"),
+        IntegratorKind::Medium(MediumKind::Dipole) => hash.tag("dipole"),
+        IntegratorKind::ProxyInDepth(ProxyStart { after_grains, depth }) => {
+            hash.tag("proxy in depth");
+            hash.words(&[after_grains]);
+            hash.doubles(&[depth]);
         }
     }
     if let Some(deep) = scene.deep {

@@ -63,6 +63,7 @@ fn layer(cells: [u32; 3], ground: Option<[f32; 3]>, pixels: u32) -> SceneDescrip
         light_finding: LightFinding::Exact,
         deep: None,
         packing: None,
+        tiled: None,
     }
 }
 

@@ -46,6 +46,7 @@ pub(crate) fn cube(side: u32, direction: DVec3, distance: f64, pixels: u32) -> S
         light_finding: LightFinding::Exact,
         deep: None,
         packing: None,
+        tiled: None,
     }
 }
 

@@ -104,6 +104,7 @@ pub(crate) fn pile(
         light_finding: LightFinding::Exact,
         deep: None,
         packing: None,
+        tiled: None,
     }
 }
 

@@ -45,6 +45,7 @@ pub(crate) fn ground(lights: Vec<LightDescription>) -> SceneDescription {
         strata: Strata::default(),
         integrator: IntegratorKind::Grains,
         packing: None,
+        tiled: None,
         shapes: Vec::new(),
         light_finding: LightFinding::Exact,
         deep: None,

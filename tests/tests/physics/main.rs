@@ -15,10 +15,12 @@ mod glints;
 mod grain;
 mod lights;
 mod pictures;
+mod shapes;
 mod slabs;
 mod sun;
 mod sun_images;
 mod surfaces;
+mod tiles;
 
 use snowgrain_accel::{GrainGrid, Packing, Surfaces};
 use snowgrain_geometry::Quantisation;

@@ -30,7 +30,7 @@ pub(crate) enum OpticsKind {
     Albedo(Box<AlbedoArguments>),
     Brdf(Box<BrdfArguments>),
     Colour(Box<ColourArguments>),
-    Phase(PhaseArguments),
+    Phase(Box<PhaseArguments>),
     Profile(Box<ProfileArguments>),
     Spread(Box<SpreadArguments>),
     Wet(Box<super::WetArguments>),
@@ -56,6 +56,7 @@ pub(crate) enum OpticsKind {
     [[layer]]\n  \
     bottom = \"3 cm\"        # of its lower face; \"inf\" for deep snow\n  \
     radius = \"100 um\"      # or ssa = 32.7, in m^2/kg\n  \
+    shapes = \"fresh\"       # as --shapes, which is what layers without it have\n  \
     density = 250\n  \
     impurities = { black-carbon = \"100 ppb\", snow-algae = \"20000 cells/mL\" }")]
 pub(crate) struct AlbedoArguments {
@@ -140,8 +141,8 @@ pub(crate) struct ColourArguments {
     pub(crate) search: SearchArguments,
 }
 
-/// Scattering by one grain, without diffraction: g, B, and the phase function; of a sphere, the energy of each
-/// order too.
+/// Scattering by one grain, or a mix of shapes, without diffraction: g, B, and the phase function; of a sphere, the
+/// energy of each order too.
 ///
 /// Comma-separated values follow lines of remarks: g is the mean cosine of the scattering angle, B the
 /// mean length in the grain over the mean chord 4r/3, E0, E1, ... the energy that is reflected outside
@@ -155,7 +156,8 @@ pub(crate) struct ColourArguments {
     snowgrain optics phase --wavelength 550\n  \
     snowgrain optics phase --ior 1.32 --bins 18 --polarisation tracked\n  \
     snowgrain optics phase --material salt --shape cube\n  \
-    snowgrain optics phase --shape hexagonal-column --aspect 2 --plot column.svg")]
+    snowgrain optics phase --shape hexagonal-column --aspect 2 --plot column.svg\n  \
+    snowgrain optics phase --shapes faceted")]
 pub(crate) struct PhaseArguments {
     /// Wavelength, nm, of the refractive index
     #[arg(long, value_name = "NM", default_value = "550",
@@ -250,7 +252,18 @@ pub(crate) struct SnowArguments {
     #[arg(long, value_name = "LENGTH,...", value_parser = laboratory_values::radii)]
     pub(crate) radius: Vec<Series>,
 
-    /// Specific surface area of the grains instead, m^2/kg: 3 / (917 r)
+    /// What the grains are, met at random in all orientations alike: spheres, the shapes of a kind of snow (fresh,
+    /// faceted, depth-hoar, ...), or a file of [[shapes]] tables with the keys of [[snow.shapes]] of a scene. Their
+    /// radius is that of spheres of equal volume
+    #[arg(
+        long,
+        value_name = "NAME|FILE.toml,...",
+        value_delimiter = ',',
+        default_value = "spheres"
+    )]
+    pub(crate) shapes: Vec<String>,
+
+    /// Specific surface area of the grains instead, m^2/kg: 3 / (917 r) for spheres
     #[arg(long, value_name = "M2/KG,...",
           value_parser = laboratory_values::specific_surface_areas)]
     pub(crate) ssa: Vec<Series>,
@@ -320,7 +333,8 @@ pub(crate) struct SearchArguments {
 /// Ways to find an albedo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
-    /// Monte Carlo through grains that are met at random, by the closed form of a sphere
+    /// Monte Carlo through grains that are met at random, by the closed form of a sphere, or by what other shapes do
+    /// when they are traced
     Homogeneous,
     /// Exact Monte Carlo through packed grains, of finite depth: up to seven layers at random places, one in
     /// a lattice (see --pack)

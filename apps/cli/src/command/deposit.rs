@@ -15,9 +15,10 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_formats::{atomic, write_grains};
 use snowgrain_geometry::{Grain, QuantisedGrain};
 use snowgrain_grains::measures::Extent;
-use snowgrain_grains::{GrainField, ICE_DENSITY, PackReport};
+use snowgrain_grains::{FieldShapes, GrainField, ICE_DENSITY, PackReport};
 use snowgrain_render::description::{SceneDescription, SnowDescription};
 use snowgrain_render::{CostEstimate, deposit_at, surfaces_of};
+use std::sync::Arc;
 
 pub(super) fn run(arguments: &DepositArguments) -> Result<u8, Failure> {
     atomic::check_writable_target(&arguments.output)?;
@@ -76,7 +77,13 @@ fn middle_of(field: GrainField) -> GrainField {
         let offset = (field.quantisation.grain(*grain).center - center).abs();
         offset.x <= half.x && offset.z <= half.z
     };
-    GrainField::new(field.quantisation, field.quantised().filter(within).collect())
+    let Some(FieldShapes { prototypes, of_grains }) = field.shapes() else {
+        return GrainField::new(field.quantisation, field.quantised().filter(within).collect());
+    };
+    let inside = field.quantised().zip(of_grains).filter(|(grain, _)| within(grain));
+    let (grains, of_grains) = inside.map(|(grain, shape)| (grain, *shape)).unzip();
+    let shapes = FieldShapes { prototypes: Arc::clone(prototypes), of_grains };
+    GrainField::new(field.quantisation, grains).with_shapes(shapes)
 }
 
 /// Where the solid fraction of a scene's snow is measured.

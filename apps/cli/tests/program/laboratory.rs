@@ -282,3 +282,41 @@ fn a_phase_function_has_the_mean_1_and_the_asymmetry_that_is_told() {
     let ended = place.run(&["optics", "phase", "--wavelength", "100"]);
     assert!(ended.code == Some(2) && ended.stderr.contains("300 to 2500"), "{}", ended.stderr);
 }
+
+#[test]
+fn shapes_of_grains_are_named_and_what_does_not_know_them_says_so() {
+    let place = Workplace::new();
+    let albedo = |more: &[&str]| {
+        let common =
+            ["optics", "albedo", "--radius", "200um", "--wavelengths", "1300", "--stderr", "0.02"];
+        place.run(&[&common[..], more].concat())
+    };
+    place.file("round.toml", "[[shapes]]\nshape = \"spheroid\"\naspect = 1.2\n");
+    let found = albedo(&["--shapes", "spheres,round.toml", "--method", "homogeneous,two-stream"]);
+    assert_eq!(found.code, Some(0), "{}", found.stderr);
+    let table = rows(&found.stdout);
+    let shapes: Vec<&str> = table.iter().map(|row| row[13]).collect();
+    assert_eq!(shapes, ["spheres", "spheres", "round.toml", "round.toml"]);
+    for (arguments, told) in [
+        (vec!["--shapes", "slush"], "depth-hoar"),
+        (vec!["--shapes", "none.toml"], "none.toml"),
+        (vec!["--shapes", "round.toml", "--polarisation", "tracked"], "--polarisation"),
+        (
+            vec!["--shapes", "round.toml", "--method", "grains", "--depth", "1cm"],
+            "--method homogeneous",
+        ),
+        (vec!["--shapes", "round.toml", "--method", "bohren-barkstrom"], "of spheres"),
+    ] {
+        let refused = albedo(&arguments);
+        assert_ne!(refused.code, Some(0), "{arguments:?}");
+        assert!(refused.stderr.contains(told), "{arguments:?}: {}", refused.stderr);
+    }
+    let spread =
+        ["optics", "spread", "--radius", "200um", "--depth", "1cm", "--shapes", "round.toml"];
+    let refused = place.run(&spread);
+    assert!(refused.code != Some(0) && refused.stderr.contains("--shapes"), "{}", refused.stderr);
+    let mix = ["optics", "phase", "--shapes", "round.toml", "--paths", "5000", "--bins", "2"];
+    let found = place.run(&mix);
+    assert_eq!(found.code, Some(0), "{}", found.stderr);
+    assert!(found.stdout.contains("# B_standard_error"), "{}", found.stdout);
+}

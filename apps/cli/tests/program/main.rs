@@ -16,6 +16,7 @@ mod measures;
 mod noise;
 mod packings;
 mod pictures;
+mod roads;
 mod shapes;
 #[cfg(unix)]
 mod signals;

@@ -31,6 +31,7 @@ fn a_scene_is_rendered_to_every_format_with_its_figures() {
         "deposit_seconds",
         "deposit_cpu_seconds",
         "build_seconds",
+        "learning_seconds",
         "render_seconds",
         "render_cpu_seconds",
         "samples",

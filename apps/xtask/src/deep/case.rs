@@ -42,6 +42,36 @@ impl Light {
     }
 }
 
+/// What the snow is made of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Grains {
+    Spheres,
+    Plates,
+    Columns,
+    Salt,
+}
+
+impl Grains {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Spheres => "ice, spheres",
+            Self::Plates => "ice, plates 1:5",
+            Self::Columns => "ice, columns 3:1",
+            Self::Salt => "salt, spheres",
+        }
+    }
+
+    /// Tables of the scene, those of the snow last.
+    fn tables(self) -> [&'static str; 2] {
+        match self {
+            Self::Spheres => ["", ""],
+            Self::Plates => ["", "[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.2\n"],
+            Self::Columns => ["", "[[snow.shapes]]\nshape = \"hexagonal-column\"\naspect = 3.0\n"],
+            Self::Salt => ["[material]\nsubstance = \"salt\"\n", ""],
+        }
+    }
+}
+
 /// When light ends.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Handover {
@@ -62,6 +92,7 @@ impl Handover {
 /// A scene.
 pub(super) struct Case {
     pub(super) light: Light,
+    pub(super) grains: Grains,
     /// kg/m^3.
     pub(super) density: f64,
     /// Edge of a pixel, radii of the grains.
@@ -86,6 +117,7 @@ impl Case {
             for &density in densities {
                 cases.extend(pixels.iter().map(|&pixel_radii| Self {
                     light,
+                    grains: Grains::Spheres,
                     density,
                     pixel_radii,
                     depth: 0.05,
@@ -93,12 +125,27 @@ impl Case {
                 }));
             }
         }
+        let others = [Grains::Plates, Grains::Columns, Grains::Salt];
+        cases.extend(others.into_iter().filter(|_| !quick).map(|grains| Self {
+            light: Light::Overcast,
+            grains,
+            density: 275.0,
+            pixel_radii: 2.0,
+            depth: 0.05,
+            width: 0.12,
+        }));
         cases
     }
 
     pub(super) fn of_speed(quick: bool) -> Vec<Self> {
-        let case =
-            |light, depth, width| Self { light, density: 275.0, pixel_radii: 1.0, depth, width };
+        let case = |light, depth, width| Self {
+            light,
+            grains: Grains::Spheres,
+            density: 275.0,
+            pixel_radii: 1.0,
+            depth,
+            width,
+        };
         let mut cases = vec![case(Light::Overcast, 0.1, 0.3)];
         if !quick {
             cases.push(case(Light::Overcast, 1.0, 0.2));
@@ -134,13 +181,14 @@ impl Case {
         let middle = 0.5 * width;
         let height = f64::from(SIZE) * pixel_radii * RADIUS;
         let lights = self.light.tables();
+        let [substance, shapes] = self.grains.tables();
         format!(
             "version = 1\n[film]\nwidth = {SIZE}\nheight = {SIZE}\n\
              [camera]\nkind = \"orthographic\"\nfrom = [{middle}, {}, {}]\nat = [{middle}, {depth}, {middle}]\n\
-             height = {height}\n{lights}\
+             height = {height}\n{lights}{substance}\
              [[object]]\nshape = \"plane\"\nalbedo = 0.2\n\
              [[snow]]\nsource = \"pack\"\nbox = [0, 0, 0, {width}, {depth}, {width}]\n\
-             radius = {RADIUS}\ndensity = {density}\n",
+             radius = {RADIUS}\ndensity = {density}\n{shapes}",
             depth + 0.1,
             middle + 0.15,
         )

@@ -8,20 +8,20 @@ use std::path::Path;
 const BLOCK: u32 = 16;
 
 /// A rendered picture: the mean of the channels of each pixel, with the variance of that mean.
-pub(super) struct Film {
+pub(crate) struct Film {
     width: u32,
     height: u32,
     means: Vec<f64>,
     variances: Vec<f64>,
     samples: f64,
-    /// Processor seconds of one sample, and of what came before the picture but for the making of the snow.
-    pub(super) seconds_per_sample: f64,
-    pub(super) learning_seconds: f64,
+    /// Processor seconds of one sample, and of what was learnt and measured of light before the picture.
+    pub(crate) seconds_per_sample: f64,
+    pub(crate) learning_seconds: f64,
 }
 
 impl Film {
     /// The film and the figures that lie in a folder.
-    pub(super) fn read(folder: &Path) -> Result<Self> {
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
         let film = snowgrain_formats::read_film(&folder.join("deep.film"))?;
         let stats = std::fs::read_to_string(folder.join("stats.json"))?;
         let stats: Value = serde_json::from_str(&stats)?;
@@ -35,16 +35,16 @@ impl Film {
             variances: film.pixels().iter().map(|pixel| third(pixel.variance_of_mean())).collect(),
             samples: number("samples_per_pixel")?,
             seconds_per_sample: number("render_cpu_seconds")? / number("samples")?,
-            learning_seconds: number("build_cpu_seconds")?,
+            learning_seconds: number("learning_cpu_seconds")?,
         })
     }
 
-    fn mean(&self) -> f64 {
+    pub(crate) fn mean(&self) -> f64 {
         self.means.iter().sum::<f64>() / self.means.len() as f64
     }
 
     /// Variance of one sample of a pixel over the square of the mean of the picture.
-    pub(super) fn relative_variance(&self) -> f64 {
+    pub(crate) fn relative_variance(&self) -> f64 {
         let mean = self.mean();
         let variance = self.variances.iter().sum::<f64>() / self.variances.len() as f64;
         variance * self.samples / (mean * mean)
@@ -72,17 +72,17 @@ impl Film {
 }
 
 /// Relative differences of a picture from another.
-pub(super) struct Comparison {
-    pub(super) mean: f64,
+pub(crate) struct Comparison {
+    pub(crate) mean: f64,
     /// Standard error of it.
-    pub(super) mean_error: f64,
+    pub(crate) mean_error: f64,
     /// Root mean squares without the noise.
-    pub(super) blocks: f64,
-    pub(super) pixels: f64,
+    pub(crate) blocks: f64,
+    pub(crate) pixels: f64,
 }
 
 impl Comparison {
-    pub(super) fn of(exact: &Film, learnt: &Film) -> Result<Self> {
+    pub(crate) fn of(exact: &Film, learnt: &Film) -> Result<Self> {
         ensure!(exact.means.len() == learnt.means.len(), "pictures of one size");
         ensure!(exact.width.is_multiple_of(BLOCK) && exact.height.is_multiple_of(BLOCK));
         let mean = exact.mean();

@@ -1,7 +1,7 @@
 //! `cargo xtask deep`: what light that ends deep in the snow is wrong by, and what it saves.
 
 mod case;
-mod measured;
+pub(crate) mod measured;
 
 use crate::program::Program;
 use anyhow::Result;
@@ -66,8 +66,9 @@ fn error_row(
 ) -> Result<(String, bool)> {
     let Comparison { mean, mean_error, blocks, pixels } = Comparison::of(exact, learnt)?;
     let row = format!(
-        "| {} | {} | {} | {} | {} | {:+.2} ({:.2}) | {:.2} | {:.2} |\n",
+        "| {} | {} | {} | {} | {} | {} | {:+.2} ({:.2}) | {:.2} | {:.2} |\n",
         case.light.name(),
+        case.grains.name(),
         case.density,
         case.pixel_radii,
         handover.after_grains,
@@ -122,9 +123,12 @@ ever. It is a function of the scene and the seed: the same bits on any machine. 
 rendered exactly, and so is all light that comes back before it has met a few grains and is half a transport length from open air and from \
 surfaces (`deep_after_grains`, `deep_depth`).
 
-Grains with shapes of their own and grains of other indices than ice in air are refused so far: the scale of the table is that of spheres of ice. \
-A transport length is the way on which light forgets its direction, 5.2 mean distances between grains: 11.6 mm for grains of .5 mm at \
-275 kg/m^3, 1/density and proportional to the radius.
+A transport length is the way on which light forgets its direction: for spheres of ice 5.2 mean distances between grains, 11.6 mm for grains of .5 mm at \
+275 kg/m^3, 1/density and proportional to the radius. Of grains with shapes and of other substances it follows from their mean shadow and the asymmetry \
+of what one of them scatters, which is traced before.
+
+Where few paths of the learning came by, as in snow that is seen from afar, cells are wider along x and z, so that each is the mean of 64 arrivals or more; \
+height and distance from open air are told apart as ever.
 
 | `lod_error` | grains | depth, transport lengths | learning paths |
 |---:|---:|---:|---:|
@@ -139,14 +143,15 @@ differences of 16 x 16 pixels and of single ones, with the noise of both picture
 noise). Percent.
 
 ";
-const ERROR_HEADS: &str = "| light | kg/m^3 | pixel, r | grains | depth | mean | blocks | pixels |
-|---|---:|---:|---:|---:|---:|---:|---:|
+const ERROR_HEADS: &str =
+    "| light | grains of | kg/m^3 | pixel, r | grains | depth | mean | blocks | pixels |
+|---|---|---:|---:|---:|---:|---:|---:|---:|
 ";
 
 const SPEED: &str = "Seconds of one processor until the pixels of a picture of 512 x 512 have a standard error of 2 %, learning \
 included; the close-up of the first table, grains of .5 mm at 275 kg/m^3. *Variance* is that of one sample of a pixel over the square of the mean. The seconds \
-of learning hold the packing of the grains for light and, under the sun, the measuring of the search for it, which exact light needs, too (and \
-is charged for).
+of learning hold, under the sun, the measuring of the search for it, which exact light needs, too (and is charged for); the making of the snow \
+and its packing, the same for both, are left out of both.
 
 ";
 const SPEED_HEADS: &str = "| light | depth, m | exact, us a sample | learnt | exact, variance | learnt | learning, s | bias, % | exact, s | learnt, s | times faster |

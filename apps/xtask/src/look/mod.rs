@@ -5,6 +5,7 @@ mod contrast;
 mod cover;
 mod directions;
 mod display;
+mod facets;
 mod field;
 mod lab;
 mod light;
@@ -50,7 +51,7 @@ pub(crate) struct Options {
     sections: Vec<String>,
 }
 
-const SECTIONS: [Named<Stage>; 7] = [
+const SECTIONS: [Named<Stage>; 8] = [
     ("contrast", contrast::section),
     ("bleed", bleed::section),
     ("translucency", translucency::section),
@@ -58,6 +59,7 @@ const SECTIONS: [Named<Stage>; 7] = [
     ("directions", directions::section),
     ("display", display::section),
     ("cover", cover::section),
+    ("facets", facets::section),
 ];
 
 /// Writes the report; false where a line that is judged fails.

@@ -10,6 +10,7 @@ mod interpolation;
 mod layers;
 mod measured;
 mod packing;
+mod shapes;
 mod soot;
 mod speed;
 mod spread;
@@ -63,8 +64,9 @@ pub(crate) struct Bench {
     quick: bool,
 }
 
-const SECTIONS: [Named<Bench>; 15] = [
+const SECTIONS: [Named<Bench>; 16] = [
     ("grain", grain::section),
+    ("shapes", shapes::section),
     ("identities", identities::section),
     ("packing", packing::section),
     ("deep-albedo", deep_albedo::section),

@@ -11,6 +11,8 @@
 
 mod block;
 mod build;
+mod cell_bits;
+mod each;
 mod hull;
 mod inside;
 mod interior;
@@ -20,9 +22,11 @@ mod packing;
 mod parts;
 mod shapes;
 mod sites;
+mod sizes;
 mod slabs;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
@@ -35,7 +39,9 @@ pub use parts::{GrainParts, PartReader};
 pub use shapes::ShapedGrains;
 pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
 pub(crate) use sites::{LatticeSites, SiteKind};
+pub use sizes::SizesPerVolume;
 pub(crate) use slabs::{AXES, COS_30, ROUND, Slabs};
+pub use tiles::{Extent, TiledGrains, tile_divisor};
 
 use crate::strata::BlockStrata;
 use crate::{STRATA, Surfaces};

@@ -89,10 +89,17 @@ impl PackedCells {
         self.entries[self.index(cell)]
     }
 
-    /// The entries of the cells of the brick that holds a cell, where any of them holds anything.
-    pub(crate) fn brick(&self, cell: [i32; 3]) -> Option<&[CellEntry]> {
-        let first = self.table[self.brick_of(cell)] as usize * CELLS_PER_BRICK;
-        (first != 0).then(|| &self.entries[first..first + CELLS_PER_BRICK])
+    /// The entries of all bricks that differ, 512 each; the first hold nothing.
+    pub(crate) fn entries(&self) -> &[CellEntry] {
+        &self.entries
+    }
+
+    /// Shows each brick that holds anything, with its number among [`Self::entries`].
+    pub(crate) fn for_each_brick(&self, mut show: impl FnMut([i32; 3], usize)) {
+        let [x, y] = [self.bricks[0], self.bricks[1]].map(|n| n as usize);
+        for (at, &number) in self.table.iter().enumerate().filter(|(_, number)| **number != 0) {
+            show([at % x, at / x % y, at / (x * y)].map(|c| c as i32), number as usize);
+        }
     }
 
     /// The index of a cell's entry.

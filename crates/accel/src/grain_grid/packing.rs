@@ -1,5 +1,7 @@
 //! How densely cells are filled.
 
+use core::f64::consts::PI;
+
 /// How many grains a cell lists: memory against speed.
 ///
 /// The pictures are equal but for noise, not bit for bit: light is followed through other cells, so
@@ -22,5 +24,20 @@ impl Packing {
             Self::Fast => 10.5,
             Self::Compact => 26.0,
         }
+    }
+
+    /// Edge of a cell that lists as many grains as wanted, in snow of so many grains of about one `radius` in the unit of
+    /// volume.
+    pub(super) fn cell_side(self, radius: f64, density: f64) -> f64 {
+        let ball = 4.0 / 3.0 * PI * radius * radius * radius;
+        // Grains whose balls reach into a cube of edge s: their centres fill its parallel body.
+        let listed = |s: f64| {
+            density * (s * s * s + 6.0 * s * s * radius + 3.0 * PI * s * radius * radius + ball)
+        };
+        let mut side = 1.5 * radius;
+        while listed(side * 1.02) <= self.grains_per_cell() && side < f64::from(u16::MAX) {
+            side *= 1.02;
+        }
+        side
     }
 }

@@ -2,7 +2,8 @@
 //! without its equation.
 //!
 //! Between grains a path is free for an exponential length, at a grain it is turned by the closed form
-//! of a sphere (`snowgrain_optics::sphere`), from the point where it met it: grains are points here.
+//! of a sphere (`snowgrain_optics::sphere`), or by a sample of light that was followed through grains of other
+//! shapes, from the point where it met it: grains are points here.
 //! Only the depth and the cosine of the direction matter, so that is all that a path has. It carries
 //! its length in the ice of each layer instead of a colour: every absorption follows afterwards.
 //!
@@ -14,8 +15,10 @@ mod account;
 mod arithmetic;
 mod grain;
 mod paths;
+mod sampled;
 mod space;
 
+pub use sampled::{GrainScattering, ScatteringSample};
 pub use space::{GrainExtent, Meeting, SpaceEnd, SpaceLayers, trace_in_space};
 
 use crate::SimdLevel;
@@ -35,6 +38,17 @@ pub enum Illumination {
     Parallel(f32),
 }
 
+impl Illumination {
+    /// The direction in which all paths start in space, where there is one.
+    #[must_use]
+    pub fn direction(self) -> Option<[f32; 3]> {
+        match self {
+            Self::Diffuse => None,
+            Self::Parallel(cos) => Some([(1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos]),
+        }
+    }
+}
+
 /// The layers and the light that falls on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HomogeneousLayers {
@@ -44,6 +58,8 @@ pub struct HomogeneousLayers {
     pub polarisation: Polarisation,
     /// Optical depth of the bottom of each layer, increasing; the last may be infinite.
     pub bottoms: Vec<f32>,
+    /// What the grains of each layer do.
+    pub scattering: Vec<GrainScattering>,
     /// Optical depths of level planes at which paths are seen to cross; mostly none.
     pub planes: Vec<f32>,
     /// Direction of the light.
@@ -99,7 +115,7 @@ pub struct HomogeneousCrossing<'a> {
 /// of a plane to `crossed`, in an order that depends on the numbers only.
 ///
 /// # Panics
-/// If there are no layers, too many, or not as many absorptions; if the machine lacks `level`.
+/// If there are no layers, too many, or not as many absorptions and grains; if the machine lacks `level`.
 pub fn trace_homogeneous(
     layers: &HomogeneousLayers,
     level: SimdLevel,
@@ -109,6 +125,7 @@ pub fn trace_homogeneous(
 ) {
     let count = layers.bottoms.len();
     assert!((1..=MOST_LAYERS).contains(&count) && count == layers.least_absorption.len());
+    assert_eq!(count, layers.scattering.len());
     let level = level.token().expect("the SIMD level was checked when it was chosen");
     dispatch!(level, simd => paths::trace(simd, layers, paths, ended, crossed));
 }

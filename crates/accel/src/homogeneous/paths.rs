@@ -3,6 +3,7 @@
 use super::account::Account;
 use super::arithmetic::{cos_of_turn, ln};
 use super::grain::{Grain, Passage};
+use super::sampled::{any_sampled, replace};
 use super::{
     HomogeneousCrossing, HomogeneousEnd, HomogeneousLayers, HomogeneousPath, Illumination,
 };
@@ -26,6 +27,8 @@ struct Constants<'a> {
     eta: f32,
     /// Depth of the bottom.
     bottom: f32,
+    /// Whether any grains are no spheres.
+    sampled: bool,
 }
 
 #[inline(always)]
@@ -37,7 +40,8 @@ pub(super) fn trace<S: Simd>(
     crossed: &mut impl FnMut(HomogeneousCrossing<'_>),
 ) {
     let bottom = layers.bottoms.last().copied().unwrap_or(0.0);
-    let constants = Constants { layers, eta: layers.eta as f32, bottom };
+    let sampled = any_sampled(&layers.scattering);
+    let constants = Constants { layers, eta: layers.eta as f32, bottom, sampled };
     let mut paths = Box::new(Paths {
         account: Account::new(),
         depth: [0.0; WIDTH],
@@ -161,7 +165,13 @@ fn step<S: Simd>(
     let rest = ((a & low) << 16) | ((b & low) << 8) | (c & low);
     let of = (constants.eta, constants.layers.polarisation);
     let grain = Grain::met(simd, of, unit_interval(simd, b), rest);
-    let Passage { cos: cos_turn, chords, .. } = grain.pass(simd, unit_interval(simd, c));
+    let Passage { cos, chords, .. } = grain.pass(simd, unit_interval(simd, c));
+    let [cos_turn, chords] = if constants.sampled {
+        let layers = constants.layers;
+        replace(simd, (&layers.scattering, &layers.bottoms), (depth, b), [cos, chords])
+    } else {
+        [cos, chords]
+    };
     let sin_turn = (one - cos_turn * cos_turn).max(zero).sqrt();
     // The bit that chose the polarisation is not used again.
     let azimuth = unit_interval(simd, rest << 9);

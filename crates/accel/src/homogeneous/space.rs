@@ -5,6 +5,7 @@
 use super::account::{Account, MUCH};
 use super::arithmetic::{cos_sin_of_turn, ln};
 use super::grain::{Grain, Passage};
+use super::sampled::{GrainScattering, any_sampled, replace};
 use super::{HomogeneousEnd, Illumination, MOST_LAYERS};
 use crate::SimdLevel;
 use crate::flight::random::unit_interval;
@@ -35,6 +36,8 @@ pub struct SpaceLayers {
     pub polarisation: Polarisation,
     /// Depth of the bottom of each layer, increasing; the last may be infinite.
     pub bottoms: Vec<f32>,
+    /// What the grains of each layer do; other than spheres are points.
+    pub scattering: Vec<GrainScattering>,
     /// Mean way from grain to grain, in the unit of the depths: 1 where they are optical.
     pub free_path: f32,
     /// Whether grains take room.
@@ -89,7 +92,8 @@ pub struct SpaceEnd<'a> {
 /// depth asked for, to `met`, and each end to `ended`, in an order that depends on the numbers only.
 ///
 /// # Panics
-/// If there are no layers, too many, or not as many absorptions; if the machine lacks `level`.
+/// If there are no layers, too many, or not as many absorptions and grains; if grains that take room are no
+/// spheres; if the machine lacks `level`.
 pub fn trace_in_space(
     layers: &SpaceLayers,
     level: SimdLevel,
@@ -99,8 +103,11 @@ pub fn trace_in_space(
 ) {
     let count = layers.bottoms.len();
     assert!((1..=MOST_LAYERS).contains(&count) && count == layers.least_absorption.len());
+    assert_eq!(count, layers.scattering.len());
+    let spheres = !any_sampled(&layers.scattering);
+    assert!(spheres || layers.extent == GrainExtent::Points, "only spheres take room");
     let level = level.token().expect("the SIMD level was checked when it was chosen");
-    dispatch!(level, simd => trace(simd, layers, paths, met, ended));
+    dispatch!(level, simd => trace(simd, (layers, spheres), paths, met, ended));
 }
 
 /// The state of sixteen paths.
@@ -117,7 +124,7 @@ struct Paths {
 #[inline(always)]
 fn trace<S: Simd>(
     simd: S,
-    layers: &SpaceLayers,
+    (layers, spheres): (&SpaceLayers, bool),
     mut todo: Range<u64>,
     met: &mut impl FnMut(Meeting<'_>),
     ended: &mut impl FnMut(SpaceEnd<'_>),
@@ -134,7 +141,7 @@ fn trace<S: Simd>(
         paths.start(lane, layers, &mut todo);
     }
     while paths.flying != 0 {
-        let mut done = step(simd, layers, &mut paths, met);
+        let mut done = step(simd, (layers, spheres), &mut paths, met);
         while done != 0 {
             let lane = done.trailing_zeros() as usize;
             done &= done - 1;
@@ -238,16 +245,13 @@ impl Paths {
 }
 
 fn first_direction(illumination: Illumination, key: PathKey) -> [f32; 3] {
-    match illumination {
-        Illumination::Parallel(cos) => [(1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos],
-        Illumination::Diffuse => {
-            // The square root of a number in (0, 1]: as flux through a plane.
-            let [sin2, azimuth, _] = numbers(key, 0);
-            let (across, along) = trig::sin_cos(core::f64::consts::TAU * f64::from(azimuth));
-            let sin = f64::from(sin2.sqrt());
-            [(sin * along) as f32, (sin * across) as f32, (1.0 - sin2).sqrt()]
-        }
-    }
+    illumination.direction().unwrap_or_else(|| {
+        // The square root of a number in (0, 1]: as flux through a plane.
+        let [sin2, azimuth, _] = numbers(key, 0);
+        let (across, along) = trig::sin_cos(core::f64::consts::TAU * f64::from(azimuth));
+        let sin = f64::from(sin2.sqrt());
+        [(sin * along) as f32, (sin * across) as f32, (1.0 - sin2).sqrt()]
+    })
 }
 
 fn bottom_of(layers: &SpaceLayers) -> f32 {
@@ -258,7 +262,7 @@ fn bottom_of(layers: &SpaceLayers) -> f32 {
 #[inline(always)]
 fn step<S: Simd>(
     simd: S,
-    layers: &SpaceLayers,
+    (layers, spheres): (&SpaceLayers, bool),
     paths: &mut Paths,
     met: &mut impl FnMut(Meeting<'_>),
 ) -> u32 {
@@ -285,12 +289,20 @@ fn step<S: Simd>(
     let low = W::<S>::splat(simd, 0xFF);
     let rest = ((a & low) << 16) | ((b & low) << 8) | (c & low);
     let of = (layers.eta as f32, layers.polarisation);
-    let passage =
+    let mut passage =
         Grain::met(simd, of, unit_interval(simd, b), rest).pass(simd, unit_interval(simd, c));
+    if !spheres {
+        let layers = (&layers.scattering[..], &layers.bottoms[..]);
+        let sphere = [passage.cos, passage.chords];
+        [passage.cos, passage.chords] = replace(simd, layers, (depth, b), sphere);
+        passage.sin = (one - passage.cos * passage.cos).max(zero).sqrt();
+    }
     // The bit that chose the polarisation is not used again.
     let across = across(simd, direction, unit_interval(simd, rest << 9));
     let turned = direction.scaled(passage.cos).plus(across, passage.sin).straightened(simd);
-    Vector::choose(inside, turned, direction).store(&mut paths.direction, 0);
+    // What goes straight through keeps its direction to the last bit.
+    let turns = if spheres { inside } else { inside & passage.cos.simd_lt(one) };
+    Vector::choose(turns, turned, direction).store(&mut paths.direction, 0);
     if layers.extent == GrainExtent::Spheres {
         let left = leave(simd, position, direction, across, &passage, bottom);
         Vector::choose(inside, left, position).store(&mut paths.position, 0);

@@ -1,18 +1,41 @@
 //! Homogeneous layers against closed forms, identities and the project's reference tables.
 
 use super::*;
+use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::trig;
+use snowgrain_optics::Dielectric;
+use snowgrain_optics::sphere::Impact;
 
 fn slab(depth: f32, illumination: Illumination) -> HomogeneousLayers {
     HomogeneousLayers {
         eta: 1.31,
         polarisation: Polarisation::Redrawn,
         bottoms: vec![depth],
+        scattering: vec![GrainScattering::Sphere],
         planes: Vec::new(),
         illumination,
         seed: 0,
         least_absorption: vec![0.0],
     }
+}
+
+/// Light that spheres turned, by their closed form.
+fn sampled_spheres(count: u64) -> GrainScattering {
+    let ice = Dielectric { eta: 1.31 };
+    let sample = |index| {
+        let [place, which, _] = numbers(PathKey::new(8, index, 0), 0).map(f64::from);
+        let impact = Impact::at_disc_fraction(ice, place);
+        let (mut order, mut sum) = (0, impact.energy(0));
+        while which >= sum && order < 60 {
+            order += 1;
+            sum += impact.energy(order);
+        }
+        ScatteringSample {
+            cosine: trig::sin_cos(impact.deflection(order)).1 as f32,
+            length: (f64::from(order) * impact.chord()) as f32,
+        }
+    };
+    GrainScattering::Sampled((0..count).map(sample).collect())
 }
 
 #[derive(Default)]
@@ -66,6 +89,58 @@ fn slabs_transmit_what_an_independent_program_found() {
     }
 }
 
+/// A layer of spheres is the same whether they are computed or drawn from samples: within 4 standard errors, and
+/// what 2^18 samples may be off (.001 of 1 - g).
+#[test]
+fn sampled_spheres_scatter_as_spheres_do() {
+    let spheres = slab(10.0, Illumination::Parallel(0.5));
+    let sampled =
+        HomogeneousLayers { scattering: vec![sampled_spheres(1 << 18)], ..spheres.clone() };
+    let paths = 100_000;
+    let (one, other) = (sums(&spheres, paths), sums(&sampled, paths));
+    let error = (2.0 * one.reflected * one.transmitted / paths as f64).sqrt();
+    assert!((one.reflected - other.reflected).abs() < 4.0 * error + 0.001, "{}", other.reflected);
+    assert!((one.ice / other.ice - 1.0).abs() < 0.02, "{} {}", one.ice, other.ice);
+    // In space as well.
+    let mut reflected = 0.0;
+    let space = SpaceLayers {
+        scattering: sampled.scattering.clone(),
+        illumination: Illumination::Parallel(0.5),
+        ..in_space(GrainExtent::Points, 1.0, 10.0)
+    };
+    trace_in_space(&space, SimdLevel::detect(), 0..paths, &mut |_| (), &mut |end| {
+        reflected += f64::from(u8::from(end.end == HomogeneousEnd::Reflected));
+    });
+    let reflected = reflected / paths as f64;
+    assert!((one.reflected - reflected).abs() < 4.0 * error + 0.001, "{reflected}");
+}
+
+/// Grains that let all light straight through leave its direction alone to the last bit, and only add length.
+#[test]
+fn light_that_goes_straight_through_keeps_its_direction() {
+    let through = ScatteringSample { cosine: 1.0, length: 2.0 };
+    let layers = SpaceLayers {
+        scattering: vec![GrainScattering::Sampled([through].into())],
+        shown_depth: 100.0,
+        ..in_space(GrainExtent::Points, 1.0, 5.0)
+    };
+    let first = [(1.0f32 - 0.6 * 0.6).sqrt(), 0.0, 0.6];
+    let mut visits = 0;
+    trace_in_space(
+        &layers,
+        SimdLevel::detect(),
+        0..1000,
+        &mut |meeting| assert_eq!(meeting.direction, first),
+        &mut |end| {
+            assert_eq!(end.direction, first);
+            assert_eq!(end.ice_lengths, [2.0 * f64::from(end.grain_visits)]);
+            visits += end.grain_visits;
+        },
+    );
+    // 5 / .6 a path; 4 sigma.
+    assert!((f64::from(visits) / 1000.0 - 8.333).abs() < 0.37, "{visits}");
+}
+
 /// Light that a radius of ice absorbs .01 of, with roulette and without.
 #[test]
 fn roulette_changes_no_mean() {
@@ -103,6 +178,11 @@ fn roulette_changes_no_mean() {
 fn paths_are_the_same_at_every_simd_level_and_in_any_division() {
     let layers = HomogeneousLayers {
         bottoms: vec![3.0, 10.0, f32::INFINITY],
+        scattering: vec![
+            GrainScattering::Sphere,
+            sampled_spheres(1 << 10),
+            GrainScattering::Sphere,
+        ],
         least_absorption: vec![1e-3, 0.0, 1e-2],
         polarisation: Polarisation::Tracked,
         ..slab(1.0, Illumination::Diffuse)
@@ -145,6 +225,7 @@ fn in_space(extent: GrainExtent, free_path: f32, depth: f32) -> SpaceLayers {
         eta: 1.31,
         polarisation: Polarisation::Redrawn,
         bottoms: vec![depth],
+        scattering: vec![GrainScattering::Sphere],
         free_path,
         extent,
         illumination: Illumination::Parallel(0.6),
@@ -232,6 +313,7 @@ fn paths_in_space_are_the_same_at_every_simd_level_and_in_any_division() {
     let layers = SpaceLayers {
         shown_depth: 4.0,
         bottoms: vec![3.0, 50.0],
+        scattering: vec![GrainScattering::Sphere; 2],
         least_absorption: vec![1e-3, 1e-2],
         polarisation: Polarisation::Tracked,
         ..in_space(GrainExtent::Spheres, 2.0, 1.0)

@@ -310,7 +310,8 @@ pub enum ShapeKind {
 #[derive(Clone, Debug, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (every grain is met); default "grains".
+    /// "grains" (every grain is met), or for comparison "volume" (volume path tracing) "proxy" (spheres that are met at
+    /// random) or "dipole" (diffusion below its surface), see docs/roads.md; default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"
     /// (suns, lamps and maps are looked for at every grain and surface: far less noise, and right within what
@@ -322,7 +323,8 @@ pub struct IntegratorTable {
     /// 1048576, 5 to 20 s of one core.
     pub calibration_paths: Option<u64>,
     /// What becomes of light deep in the snow: "exact" (it is followed to its end) or "learnt" (it ends there with
-    /// what other paths brought from there: ten times faster and more, see docs/deep.md); default "exact".
+    /// what other paths brought from there: ten times faster and more, see docs/deep.md) or "proxy" (there it meets grains at
+    /// random, see docs/roads.md); default "exact".
     pub deep: DeepName,
     /// Part by which learnt light may be wrong on average over a block of 16 x 16 pixels, from 0.001: it chooses the
     /// following three; default 0.01.
@@ -337,6 +339,10 @@ pub struct IntegratorTable {
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.
     pub packing: Option<PackingName>,
+    /// Whether snow of `source` "pack" and "fill" is made of tiles that are kept once, so that memory grows with its
+    /// surface alone; absent: where the scene has more than four million grains, all of spheres of one pack without
+    /// masks, density maps or impurities of their own.
+    pub tiled: Option<bool>,
 }
 
 /// What becomes of light deep in the snow.
@@ -348,6 +354,8 @@ pub enum DeepName {
     Exact,
     /// It ends with what others brought.
     Learnt,
+    /// It goes on from sphere to sphere met at random.
+    Proxy,
 }
 
 /// How lights are found.
@@ -382,4 +390,10 @@ pub enum IntegratorName {
     /// Exact.
     #[default]
     Grains,
+    /// Points in a smoothed density.
+    Volume,
+    /// Spheres in a smoothed density.
+    Proxy,
+    /// Diffusion from the surface of a smoothed density.
+    Dipole,
 }

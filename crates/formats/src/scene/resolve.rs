@@ -6,6 +6,7 @@ mod deep;
 mod import;
 mod lights;
 mod objects;
+mod roads;
 mod shapes;
 mod snow;
 mod substance;
@@ -26,6 +27,7 @@ use snowgrain_render::description::{
 };
 use snowgrain_render::light::EnvironmentMap;
 use snowgrain_render::surface::Texture;
+use snowgrain_render::transport::medium::MediumKind;
 use snowgrain_render::{STRATA, Strata};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -125,7 +127,12 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         return Err(checks.missing("snow", "the scene is empty; add [[snow]] or [[object]]"));
     }
     let integrator = match file.document.integrator.kind {
-        IntegratorName::Grains => IntegratorKind::Grains,
+        IntegratorName::Grains => {
+            deep::proxy(&checks)?.map_or(IntegratorKind::Grains, IntegratorKind::ProxyInDepth)
+        }
+        IntegratorName::Volume => IntegratorKind::Medium(MediumKind::Volume),
+        IntegratorName::Proxy => IntegratorKind::Medium(MediumKind::Proxy),
+        IntegratorName::Dipole => IntegratorKind::Medium(MediumKind::Dipole),
     };
     let packing = file.document.integrator.packing.map(|name| match name {
         PackingName::Fast => Packing::Fast,
@@ -146,8 +153,13 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         light_finding,
         deep,
         packing,
+        tiled: file.document.integrator.tiled,
     };
-    deep::refuse_unmeasured(&checks, &scene)?;
+    if !scene.can_be_tiled_as_told() {
+        let mend = "needs snow of source \"pack\" or \"fill\" alone, of spheres with the same settings, without mask, density_map, shapes or impurities of its own; remove it";
+        return Err(checks.bad("integrator.tiled", mend));
+    }
+    roads::refuse_beyond(&checks, &scene)?;
     Ok(scene)
 }
 

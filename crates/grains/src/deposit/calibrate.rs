@@ -10,7 +10,9 @@ use super::{DepositReport, Snowfall};
 use crate::measures::{
     Slab, nominal_solid_fraction, solid_fractions_along_lines, union_solid_fraction,
 };
-use crate::{Amount, DepositRule, DepositSettings, GrainField, GrainsError, ICE_DENSITY, Settling};
+use crate::{
+    Amount, DepositRule, DepositSettings, GrainField, GrainsError, ICE_DENSITY, Settling, ShapeMix,
+};
 use snowgrain_accel::PlanRectangle;
 use snowgrain_geometry::Quantisation;
 use snowgrain_math::{DVec3, trig};
@@ -69,7 +71,7 @@ pub fn reached_solid_fraction(
     settings: &DepositSettings,
     area_m2: f64,
 ) -> Result<f64, GrainsError> {
-    Pilots { settings, area_m2 }.fill(Settling::of_rule(settings.plain_rule()))
+    Pilots { settings, area_m2, shapes: None }.fill(Settling::of_rule(settings.plain_rule()))
 }
 
 impl Snowfall<'_> {
@@ -90,7 +92,10 @@ impl Snowfall<'_> {
         let edge = |axis: usize| (f64::from(area.max[axis]) - f64::from(area.min[axis])) * quantum;
         let area_m2 = edge(0) * edge(1);
         let may_fall_anew = self.is_empty() && self.period().is_none();
-        let (mut settling, mut fill) = Pilots { settings, area_m2 }.reach(density / ICE_DENSITY)?;
+        let shapes = self.shapes.clone();
+        let shapes = shapes.as_ref();
+        let pilots = Pilots { settings, area_m2, shapes };
+        let (mut settling, mut fill) = pilots.reach(density / ICE_DENSITY)?;
         let mut aim = Aim::at(density);
         let (mut falls, mut best) = (0, (f64::INFINITY, (settling, fill)));
         loop {
@@ -109,7 +114,7 @@ impl Snowfall<'_> {
             }
             aim.correct(measured);
             let aimed = aim.density();
-            let pilots = Pilots { settings: &settings.with_density(aimed), area_m2 };
+            let pilots = Pilots { settings: &settings.with_density(aimed), area_m2, shapes };
             // What would make up for it may be out of reach, or be what fell just now.
             let next =
                 if falls < MOST_FALLS { pilots.reach(aimed / ICE_DENSITY).ok() } else { None };
@@ -130,6 +135,10 @@ impl Snowfall<'_> {
         }
         let stacks = self.pile.all().cloned().collect();
         let field = GrainField::of_stacks(self.quantisation, stacks, Vec::new());
+        let field = match &self.shapes {
+            Some(mix) => mix.drawn(field),
+            None => field,
+        };
         let (union, _) = solid_fractions_along_lines(&field, 0);
         (union.mean > 0.0).then_some(ICE_DENSITY * union.mean)
     }
@@ -139,6 +148,8 @@ impl Snowfall<'_> {
 struct Pilots<'a> {
     settings: &'a DepositSettings,
     area_m2: f64,
+    /// What grains are that are no spheres.
+    shapes: Option<&'a ShapeMix>,
 }
 
 impl Pilots<'_> {
@@ -265,7 +276,7 @@ impl Pilots<'_> {
             }
         };
         let settings = DepositSettings { amount, area: None, ..self.settings.clone() };
-        fill_of(&settings, settling, width)
+        fill_of(&settings, settling, width, self.shapes)
     }
 
     fn out_of_reach(&self, [low, high]: [f64; 2], rule: Option<DepositRule>) -> GrainsError {
@@ -286,7 +297,12 @@ impl Pilots<'_> {
 }
 
 /// The solid fraction of a snowfall on a level floor of this width, metres.
-fn fill_of(settings: &DepositSettings, settling: Settling, width: f64) -> Result<f64, GrainsError> {
+fn fill_of(
+    settings: &DepositSettings,
+    settling: Settling,
+    width: f64,
+    shapes: Option<&ShapeMix>,
+) -> Result<f64, GrainsError> {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, settings.radii.largest());
     let mut trial = Snowfall::on_level_floor(quantisation, [width, width])?;
     trial.ground.turn(settings.drift());
@@ -295,9 +311,12 @@ fn fill_of(settings: &DepositSettings, settling: Settling, width: f64) -> Result
     let period = trial.period().unwrap_or([width, width]);
     let field = trial.into_field();
     let slab = Slab::between_parts_of_depth(&field, Some(period), [0.2, 0.8]);
-    Ok(if settling.overlaps() {
-        union_solid_fraction(&field, &slab, POINTS, settings.seed).mean
-    } else {
-        nominal_solid_fraction(&field, &slab)
+    Ok(match shapes {
+        // Those that float are turned afterwards, by which the overlap grows by half a hundredth of the ice.
+        Some(mix) => union_solid_fraction(&mix.drawn(field), &slab, POINTS, settings.seed).mean,
+        None if settling.overlaps() => {
+            union_solid_fraction(&field, &slab, POINTS, settings.seed).mean
+        }
+        None => nominal_solid_fraction(&field, &slab),
     })
 }

@@ -1,6 +1,7 @@
 //! The inside of a closed mesh.
 
 use crate::GrainsError;
+use snowgrain_accel::Extent;
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_math::{Aabb, DVec3};
 use std::collections::{BTreeMap, HashMap};
@@ -96,6 +97,23 @@ impl Solid {
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.volume
+    }
+
+    /// What of a box lies inside, where it is sure: where no triangle is near, all of it does or none.
+    pub(super) fn extent(&self, around: &Aabb) -> Extent {
+        let is_near = |triangle: u32| {
+            let [a, b, c] = self.triangles[triangle as usize].map(|v| self.positions[v as usize]);
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            low.cmple(around.max).all() && high.cmpge(around.min).all()
+        };
+        if self.squares.over(&self.bounds, around).any(is_near) {
+            return Extent::Part;
+        }
+        match self.holds(around.center()) {
+            Ok(true) => Extent::Whole,
+            Ok(false) => Extent::Empty,
+            Err(_) => Extent::Part,
+        }
     }
 
     /// Whether a point, metres, lies inside.
@@ -283,6 +301,18 @@ impl Squares {
     fn place(&self, bounds: &Aabb, at: DVec3) -> [usize; 2] {
         let [x, z] = [(at.x - bounds.min.x) / self.size[0], (at.z - bounds.min.z) / self.size[1]];
         [(x as usize).min(self.counts[0] - 1), (z as usize).min(self.counts[1] - 1)]
+    }
+
+    /// The triangles of all squares that a box covers on the plan; some of them more than once.
+    fn over(&self, bounds: &Aabb, around: &Aabb) -> impl Iterator<Item = u32> + '_ {
+        let [low, high] = [around.min, around.max].map(|end| self.place(bounds, end));
+        (low[1]..=high[1]).flat_map(move |row| (low[0]..=high[0]).map(move |x| [x, row])).flat_map(
+            |[column, row]| {
+                let square = row * self.counts[0] + column;
+                let range = self.starts[square] as usize..self.starts[square + 1] as usize;
+                self.triangles[range].iter().copied()
+            },
+        )
     }
 
     fn at(&self, bounds: &Aabb, point: DVec3) -> &[u32] {

@@ -1,6 +1,7 @@
 //! Pictures that lie on the plan: heights of snow, and masks.
 
 use crate::GrainsError;
+use snowgrain_accel::Extent;
 use snowgrain_math::{Aabb, DVec3};
 
 /// A picture of grey values that lies on a rectangle of the plan, its top at the least z: as seen from
@@ -76,6 +77,28 @@ impl PlanImage {
         mix(upper, lower, down)
     }
 
+    /// The least and the greatest value over a box, or wider bounds.
+    fn range(&self, around: &Aabb) -> [f64; 2] {
+        let [x0, z0, x1, z1] = self.area;
+        let inside =
+            around.min.x >= x0 && around.max.x <= x1 && around.min.z >= z0 && around.max.z <= z1;
+        let pixels = |low: f64, high: f64, (from, to): (f64, f64), count: usize| {
+            let at = |place: f64| {
+                let pixel = (place - from) / (to - from) * count as f64 - 0.5;
+                pixel.clamp(0.0, count as f64 - 1.0)
+            };
+            // One more on either side takes care of rounding.
+            let first = (at(low) as usize).saturating_sub(1);
+            first..(at(high) as usize + 3).min(count)
+        };
+        let columns = pixels(around.min.x, around.max.x, (x0, x1), self.size[0]);
+        let rows = pixels(around.min.z, around.max.z, (z0, z1), self.size[1]);
+        let beside = if inside { [f64::INFINITY, f64::NEG_INFINITY] } else { [0.0; 2] };
+        rows.flat_map(|row| columns.clone().map(move |column| row * self.size[0] + column))
+            .map(|at| f64::from(self.values[at]))
+            .fold(beside, |[low, high], value| [low.min(value), high.max(value)])
+    }
+
     fn greatest(&self) -> f64 {
         self.values.iter().copied().fold(0.0f32, f32::max).into()
     }
@@ -103,6 +126,20 @@ impl HeightField {
         let [x0, z0, x1, z1] = self.image.area;
         let sum: f64 = self.image.values.iter().map(|&value| f64::from(value.max(0.0))).sum();
         (x1 - x0) * (z1 - z0) * self.height * sum / self.image.values.len() as f64
+    }
+
+    /// What of a box lies under the surface, where it is sure.
+    pub(super) fn extent(&self, around: &Aabb) -> Extent {
+        // Far more than what is rounded between two values of the picture.
+        let slack = 1e-9 * self.height.abs();
+        let [low, high] = self.image.range(around).map(|value| self.base + self.height * value);
+        if around.max.y < self.base || around.min.y > high + slack {
+            Extent::Empty
+        } else if around.min.y >= self.base && around.max.y < low - slack {
+            Extent::Whole
+        } else {
+            Extent::Part
+        }
     }
 
     pub(super) fn holds(&self, point: DVec3) -> bool {

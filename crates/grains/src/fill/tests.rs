@@ -1,7 +1,7 @@
 use super::*;
 use crate::Radii;
 use crate::measures::{Slab, union_solid_fraction};
-use snowgrain_accel::Surfaces;
+use snowgrain_accel::{Extent, Surfaces};
 use snowgrain_geometry::TriangleMesh;
 use snowgrain_geometry::teapot::teapot;
 use snowgrain_math::sampler::pcg3d;
@@ -260,4 +260,33 @@ fn a_density_map_leaves_its_part_of_the_grains_and_none_where_it_is_black() {
     assert!(half.iter().all(|grain| grain.center.x > 0.0149), "snow where the map is black");
     let message = map(vec![0.5, 1.5]).check_parts().unwrap_err().to_string();
     assert!(message.contains("column 1, row 0") && message.contains("is 1.5"), "{message}");
+}
+
+/// What is told of boxes is true of their points, for bodies of every kind.
+#[test]
+fn extents_of_boxes_hold_for_all_their_points() {
+    let steps = (0..40).map(|i| unit(pcg3d(i, 3, 1)[0]) as f32).collect();
+    let image = PlanImage::new([8, 5], steps, [-1.0, -1.0, 1.0, 0.8]).unwrap();
+    let heights = HeightField { image, height: 1.5, base: -0.7 };
+    let bodies = [
+        Body::Box(Aabb::new(DVec3::new(-0.8, -0.5, -0.9), DVec3::new(0.4, 0.9, 0.7))),
+        Body::Solid(Arc::new(Solid::new(&ball(12)).unwrap())),
+        Body::Heights(Arc::new(heights)),
+    ];
+    for body in &bodies {
+        let mut told = [0; 3];
+        for i in 0..3000 {
+            let corner = DVec3::from(pcg3d(i, 5, 0).map(unit)) * 2.6 - 1.3;
+            let around = Aabb::new(corner, corner + 0.3 * unit(pcg3d(i, 6, 0)[1]));
+            let extent = body.extent(&around);
+            told[extent as usize] += 1;
+            for j in 0..8 {
+                let part = DVec3::from(pcg3d(i, j, 7).map(unit));
+                let held = body.holds(around.min + part * around.size()).unwrap();
+                assert!(extent != Extent::Whole || held, "{body:?} {around:?}");
+                assert!(extent != Extent::Empty || !held, "{body:?} {around:?}");
+            }
+        }
+        assert!(told.iter().all(|&count| count > 5), "all three are told: {told:?}");
+    }
 }

@@ -1,6 +1,8 @@
 //! What touches what.
 
+use super::bodies::Body;
 use super::buckets::Buckets;
+use super::meeting::meet;
 use crate::{GrainField, PeriodicPack};
 use snowgrain_geometry::Grain;
 use snowgrain_math::DVec3;
@@ -16,7 +18,8 @@ pub struct Connections {
     pub contacts_per_grain: f64,
     /// Mean number of grains that a grain overlaps by more than that.
     pub overlaps_per_grain: f64,
-    /// Mean depth of the overlaps, metres.
+    /// Mean depth of the overlaps, metres: of grains that are no spheres, the length in both along the line through
+    /// their centres.
     pub mean_overlap_depth: f64,
     /// Greatest depth of an overlap or, where there is none, of a contact, metres; 0 at least.
     pub greatest_overlap_depth: f64,
@@ -51,28 +54,29 @@ fn in_buckets(
 ) -> Connections {
     let grains = buckets.grains();
     let mut clusters = Clusters::new(grains.len());
-    let (mut contacts, mut overlaps, mut depths, mut greatest) = (0u64, 0u64, 0.0, 0.0f64);
+    let mut touching = Touching::default();
+    let spheres = buckets.are_spheres();
     for (i, grain) in grains.iter().enumerate() {
         let [x, y, z] = grain.center.map(f64::from);
         let (center, radius) = (DVec3::new(x, y, z), f64::from(grain.radius));
         buckets.around(center, |j, other, other_radius| {
             let offset = other - center;
-            let widest = radius + other_radius + TOUCH_TOLERANCE_QUANTA;
-            let square = offset.length_squared();
-            if square > widest * widest || (i == j && square == 0.0) {
+            if i == j && offset == DVec3::ZERO {
                 return;
             }
-            let depth = radius + other_radius - square.sqrt();
-            greatest = greatest.max(depth);
-            if depth > TOUCH_TOLERANCE_QUANTA {
-                overlaps += 1;
-                depths += depth;
+            let joined = if spheres {
+                touching.spheres(radius + other_radius - offset.length())
             } else {
-                contacts += 1;
+                // Each pair once: it is seen from both, but for images of one grain, each of which is a pair.
+                let times = if i == j { 1 } else { 2 };
+                i <= j && touching.bodies(&buckets.body(i, center), &buckets.body(j, other), times)
+            };
+            if joined {
+                clusters.join(i, j);
             }
-            clusters.join(i, j);
         });
     }
+    let Touching { contacts, overlaps, depths, greatest } = touching;
     let quantum = field.quantisation.quantum();
     let per_grain = |count: u64| count as f64 / (grains.len() as f64).max(1.0);
     let (connected_fraction, reaches_ground) =
@@ -84,6 +88,51 @@ fn in_buckets(
         greatest_overlap_depth: quantum * greatest,
         connected_fraction,
         reaches_ground,
+    }
+}
+
+/// Sums over all pairs, each counted from both sides; lengths in quanta.
+#[derive(Default)]
+struct Touching {
+    contacts: u64,
+    overlaps: u64,
+    depths: f64,
+    greatest: f64,
+}
+
+impl Touching {
+    /// Books two spheres that overlap by `depth`; whether they touch.
+    fn spheres(&mut self, depth: f64) -> bool {
+        if depth < -TOUCH_TOLERANCE_QUANTA {
+            return false;
+        }
+        self.greatest = self.greatest.max(depth);
+        if depth > TOUCH_TOLERANCE_QUANTA {
+            self.overlaps += 1;
+            self.depths += depth;
+        } else {
+            self.contacts += 1;
+        }
+        true
+    }
+
+    /// Books two grains of any shapes; whether they touch.
+    fn bodies(&mut self, one: &Body<'_>, other: &Body<'_>, times: u64) -> bool {
+        let widest = one.reach() + other.reach() + TOUCH_TOLERANCE_QUANTA;
+        if (one.center - other.center).length_squared() > widest * widest {
+            return false;
+        }
+        let depth = one.depth_in(other);
+        let half = 0.5 * TOUCH_TOLERANCE_QUANTA;
+        if depth > TOUCH_TOLERANCE_QUANTA || meet(one, other, -half) {
+            self.overlaps += times;
+            self.depths += times as f64 * depth;
+            self.greatest = self.greatest.max(depth);
+            return true;
+        }
+        let touch = meet(one, other, half);
+        self.contacts += if touch { times } else { 0 };
+        touch
     }
 }
 

@@ -97,12 +97,36 @@ pub fn mean_surface_height(field: &GrainField, period: [f64; 2]) -> f64 {
 /// as many equal boxes; a function of its arguments only.
 #[must_use]
 pub fn union_solid_fraction(field: &GrainField, slab: &Slab, points: u32, seed: u64) -> Estimate {
+    in_buckets(field, &Buckets::new(field, slab.period), slab, points, seed)
+}
+
+fn in_buckets(
+    field: &GrainField,
+    buckets: &Buckets,
+    slab: &Slab,
+    points: u32,
+    seed: u64,
+) -> Estimate {
     let per_axis = (1u32..1625).take_while(|n| n * n <= points / n).last().unwrap_or(1);
-    let layers = inside_by_layer(field, slab, [per_axis; 3], seed);
+    let layers = inside_by_layer((field, buckets), slab, [per_axis; 3], seed);
     let inside: u64 = layers.iter().sum();
     let all = f64::from(per_axis) * f64::from(per_axis) * f64::from(per_axis);
     let mean = inside as f64 / all;
     Estimate { mean, standard_error: (mean * (1.0 - mean) / all).sqrt() }
+}
+
+/// The same of a pack that repeats with these periods along x, y and z, quanta.
+#[must_use]
+pub fn union_solid_fraction_of_pack(
+    field: &GrainField,
+    period: [i64; 3],
+    points: u32,
+    seed: u64,
+) -> Estimate {
+    let (min, quantum) = (field.quantisation.origin(), field.quantisation.quantum());
+    let max = min + DVec3::from_array(period.map(|edge| edge as f64)) * quantum;
+    let slab = Slab { min, max, period: None };
+    in_buckets(field, &Buckets::repeating(field, period), &slab, points, seed)
 }
 
 /// The union solid fraction of each of `layers` equal layers of `slab`, lowest first, from about
@@ -118,7 +142,8 @@ pub fn solid_fraction_profile(
     // Four points deep in each layer, the rest side by side.
     const DEEP: u32 = 4;
     let wide = (f64::from(points) / f64::from(DEEP)).sqrt().ceil().max(1.0) as u32;
-    let counts = inside_by_layer(field, slab, [wide, layers.max(1) * DEEP, wide], seed);
+    let buckets = Buckets::new(field, slab.period);
+    let counts = inside_by_layer((field, &buckets), slab, [wide, layers.max(1) * DEEP, wide], seed);
     let all = f64::from(wide) * f64::from(wide) * f64::from(DEEP);
     counts.chunks(DEEP as usize).map(|c| c.iter().sum::<u64>() as f64 / all).collect()
 }
@@ -152,12 +177,17 @@ fn volume_below(radius: f64, h: f64) -> f64 {
 
 /// Points in ice in each of `counts[1]` layers, with one random point in each of the boxes into
 /// which `counts` divides the slab.
-fn inside_by_layer(field: &GrainField, slab: &Slab, counts: [u32; 3], seed: u64) -> Vec<u64> {
+fn inside_by_layer(
+    (field, buckets): (&GrainField, &Buckets),
+    slab: &Slab,
+    counts: [u32; 3],
+    seed: u64,
+) -> Vec<u64> {
     let mut inside = vec![0; counts[1] as usize];
     if field.is_empty() {
         return inside;
     }
-    let buckets = Buckets::new(field, slab.period);
+    let spheres = buckets.are_spheres();
     let (origin, quantum) = (field.quantisation.origin(), field.quantisation.quantum());
     let step =
         (slab.max - slab.min) / DVec3::new(counts[0].into(), counts[1].into(), counts[2].into());
@@ -171,8 +201,12 @@ fn inside_by_layer(field: &GrainField, slab: &Slab, counts: [u32; 3], seed: u64)
                 let cell = DVec3::new(f64::from(i) + a, f64::from(j) + b, f64::from(k) + c);
                 let point = (slab.min + cell * step - origin) / quantum;
                 let mut solid = false;
-                buckets.around(point, |_, center, radius| {
-                    solid |= (center - point).length_squared() <= radius * radius;
+                buckets.around(point, |index, center, radius| {
+                    solid |= if spheres {
+                        (center - point).length_squared() <= radius * radius
+                    } else {
+                        !solid && buckets.holds((index, center, radius), point)
+                    };
                 });
                 inside[j as usize] += u64::from(solid);
             }

@@ -1,7 +1,7 @@
 //! Straight lines along an axis through a pack, and the stretches of them that lie in grains.
 
+use super::bodies::{Bodies, Body};
 use crate::GrainField;
-use snowgrain_geometry::Grain;
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{Aabb, DVec3};
 
@@ -57,8 +57,10 @@ impl Lines {
         let largest = f64::from(field.largest_radius_quanta()) * field.quantisation.quantum();
         lines.edge = (2.0 * largest).max(size[0].max(size[1]) / MOST_LINES);
         lines.columns = (size[0] / lines.edge).ceil() as u32 + 1;
-        for grain in field.iter() {
-            each_image(&grain, &bounds, period, |image| lines.add(&image));
+        let bodies = Bodies::of(field);
+        for (index, grain) in field.iter().enumerate() {
+            let body = bodies.body(index, grain.center, grain.radius);
+            each_image(&body, &bounds, period, |image| lines.add(&image));
         }
         lines.chords.sort_unstable_by(|a, b| {
             a.line.cmp(&b.line).then(a.low.total_cmp(&b.low)).then(a.high.total_cmp(&b.high))
@@ -66,11 +68,12 @@ impl Lines {
         lines
     }
 
-    fn add(&mut self, grain: &Grain) {
+    fn add(&mut self, grain: &Body<'_>) {
         let [x, z] = self.across.map(|axis| grain.center[axis] - self.corner[axis]);
+        let reach = grain.reach();
         let squares = |at: f64| {
-            let low = ((at - grain.radius) / self.edge).max(0.0);
-            low as u32..=((at + grain.radius) / self.edge).max(0.0) as u32
+            let low = ((at - reach) / self.edge).max(0.0);
+            low as u32..=((at + reach) / self.edge).max(0.0) as u32
         };
         for row in squares(z) {
             for column in squares(x).filter(|&column| column < self.columns) {
@@ -78,11 +81,21 @@ impl Lines {
                 let [u, v] = self.offset(line);
                 let dx = (f64::from(column) + u) * self.edge - x;
                 let dz = (f64::from(row) + v) * self.edge - z;
-                let square = grain.radius * grain.radius - dx * dx - dz * dz;
-                if square > 0.0 {
-                    let (at, half) = (grain.center[self.axis], square.sqrt());
-                    self.chords.push(Chord { line, low: at - half, high: at + half });
+                let square = reach * reach - dx * dx - dz * dz;
+                if square <= 0.0 {
+                    continue;
                 }
+                let (at, half) = (grain.center[self.axis], square.sqrt());
+                if grain.shape.is_none() {
+                    self.chords.push(Chord { line, low: at - half, high: at + half });
+                    continue;
+                }
+                let mut origin = grain.center;
+                origin[self.across[0]] += dx;
+                origin[self.across[1]] += dz;
+                let stretches = grain.stretches(origin, DVec3::AXES[self.axis]);
+                let chord = |[low, high]: [f64; 2]| Chord { line, low: at + low, high: at + high };
+                self.chords.extend(stretches.into_iter().map(chord));
             }
         }
     }
@@ -159,17 +172,23 @@ pub(super) fn box_of(field: &GrainField, period: Option<[f64; 2]>) -> Aabb {
 }
 
 /// Shows a grain and its images that reach into the box of a pack that repeats.
-fn each_image(grain: &Grain, bounds: &Aabb, period: Option<[f64; 2]>, mut show: impl FnMut(Grain)) {
+fn each_image<'a>(
+    grain: &Body<'a>,
+    bounds: &Aabb,
+    period: Option<[f64; 2]>,
+    mut show: impl FnMut(Body<'a>),
+) {
     let Some([x, z]) = period else { return show(*grain) };
+    let reach = grain.reach();
     let shifts = |axis: usize, period: f64| {
         let at = grain.center[axis];
-        let high = at + grain.radius > bounds.max[axis];
-        let low = at - grain.radius < bounds.min[axis];
+        let high = at + reach > bounds.max[axis];
+        let low = at - reach < bounds.min[axis];
         [Some(0.0), high.then_some(-period), low.then_some(period)].into_iter().flatten()
     };
     for dx in shifts(0, x) {
         for dz in shifts(2, z) {
-            show(Grain { center: grain.center + DVec3::new(dx, 0.0, dz), ..*grain });
+            show(Body { center: grain.center + DVec3::new(dx, 0.0, dz), ..*grain });
         }
     }
 }

@@ -1,25 +1,20 @@
 //! The structure of a pack: what a laboratory measures of snow in a tomograph.
 
 mod sizes;
+mod surface;
 #[cfg(test)]
 mod tests;
 
 pub use sizes::Sizes;
+use surface::surface_per_volume;
 
-use super::buckets::Buckets;
+use super::bodies::united;
 use super::lines::{Chord, Lines};
 use super::region::Region;
 use super::{Connections, Extent, connections};
 use crate::{GrainField, ICE_DENSITY};
-use core::f64::consts::{PI, TAU};
 use snowgrain_geometry::Grain;
-use snowgrain_math::sampler::{PathKey, numbers};
-use snowgrain_math::{DVec3, trig};
 
-/// Points on the surface of each grain at which it is seen whether it is bare.
-const POINTS_A_GRAIN: u32 = 16;
-/// Grains at whose surfaces is looked.
-const MOST_LOOKED_AT: f64 = 200_000.0;
 /// Farthest distance of the two-point correlation, in mean radii, and its steps.
 const CORRELATION_RADII: f64 = 8.0;
 const CORRELATION_STEPS: usize = 32;
@@ -165,7 +160,7 @@ impl Found {
     }
 
     fn add(&mut self, chords: &[Chord], stretches: Vec<[f64; 2]>) {
-        let ice = united(chords);
+        let ice = in_ice(chords);
         for [low, high] in stretches {
             self.all += high - low;
             let part = |a: f64, b: f64| (b.min(high) - a.max(low)).max(0.0);
@@ -235,15 +230,8 @@ impl Found {
 }
 
 /// The stretches in at least one grain.
-fn united(chords: &[Chord]) -> Vec<[f64; 2]> {
-    let mut ice: Vec<[f64; 2]> = Vec::with_capacity(chords.len());
-    for chord in chords {
-        match ice.last_mut() {
-            Some(last) if chord.low <= last[1] => last[1] = last[1].max(chord.high),
-            _ => ice.push([chord.low, chord.high]),
-        }
-    }
-    ice
+fn in_ice(chords: &[Chord]) -> Vec<[f64; 2]> {
+    united(chords.iter().map(|chord| [chord.low, chord.high]))
 }
 
 fn distribution(chords: &[f64], mean: f64) -> Vec<(f64, f64)> {
@@ -262,49 +250,12 @@ fn distribution(chords: &[f64], mean: f64) -> Vec<(f64, f64)> {
     counts.iter().enumerate().map(|(index, &count)| (middle(index), density(count))).collect()
 }
 
-/// Surface of the union by volume of the region, 1/m.
-fn surface_per_volume(field: &GrainField, period: Option<[f64; 2]>, region: &Region) -> f64 {
-    let buckets = Buckets::new(field, period);
-    let quantisation = field.quantisation;
-    let every = (buckets.grains().len() as f64 / MOST_LOOKED_AT).ceil().max(1.0) as usize;
-    let mut bare = 0.0;
-    for (index, grain) in buckets.grains().iter().enumerate().step_by(every) {
-        let [x, y, z] = grain.center.map(f64::from);
-        let (center, radius) = (DVec3::new(x, y, z), f64::from(grain.radius));
-        let directions: Vec<DVec3> =
-            (0..POINTS_A_GRAIN).map(|point| direction(index as u64, point)).collect();
-        let mut is_bare = [true; POINTS_A_GRAIN as usize];
-        buckets.around(center, |other, at, reach| {
-            if other == index && at == center {
-                return;
-            }
-            for (direction, bare) in directions.iter().zip(&mut is_bare) {
-                *bare &= (center + *direction * radius - at).length_squared() >= reach * reach;
-            }
-        });
-        let metres = quantisation.grain(*grain);
-        let holds = |direction: &DVec3| region.holds(metres.center + *direction * metres.radius);
-        let points = directions.iter().zip(is_bare).filter(|(d, bare)| *bare && holds(d)).count();
-        bare += points as f64 * metres.radius * metres.radius;
-    }
-    ratio(4.0 * PI * bare * every as f64 / f64::from(POINTS_A_GRAIN), region.volume())
-}
-
-/// One of the directions in which is looked, each in a part of the sphere of its own.
-fn direction(grain: u64, point: u32) -> DVec3 {
-    let [u, v, _] = numbers(PathKey::new(0, grain, 1), point).map(f64::from);
-    let y = 1.0 - 2.0 * (f64::from(point) + u) / f64::from(POINTS_A_GRAIN);
-    let across = (1.0 - y * y).max(0.0).sqrt();
-    let (sin, cos) = trig::sin_cos(TAU * v);
-    DVec3::new(across * cos, y, across * sin)
-}
-
 /// Solid fraction in equal parts of the depth, from the surface down, along vertical lines.
 fn profile(vertical: &Lines, region: &Region) -> Vec<f64> {
     const STEPS: usize = 8;
     let mut sums = [[0.0f64; 2]; DEPTH_CLASSES];
     for (line, chords) in vertical.each() {
-        let (place, ice) = (vertical.place(line), united(chords));
+        let (place, ice) = (vertical.place(line), in_ice(chords));
         for [bottom, top] in region.whole(place) {
             let step = (top - bottom) / (DEPTH_CLASSES * STEPS) as f64;
             for index in 0..DEPTH_CLASSES * STEPS {

@@ -11,8 +11,9 @@ const ENOUGH: f64 = 0.995;
 
 impl Spheres {
     /// Moves each piece, smallest first, in a straight line towards the nearest sphere of another
-    /// until it touches one. Spheres touch whose surfaces are no more than `touch` apart.
-    pub(super) fn attach(&mut self, touch: f64) {
+    /// until it touches one. Spheres touch whose surfaces are no more than `touch` apart; pieces that hold one of the
+    /// first `fixed` spheres stay.
+    pub(super) fn attach(&mut self, touch: f64, fixed: usize) {
         let mean = self.radii.iter().sum::<f64>() / self.radii.len().max(1) as f64;
         for gap in GAPS.map(|gap| gap * mean) {
             let pieces = self.pieces(touch);
@@ -33,7 +34,8 @@ impl Spheres {
             let mut stays = vec![false; pieces.len()];
             order.pop();
             for number in order {
-                if stays[number] {
+                let is_fixed = pieces[number].iter().any(|&sphere| (sphere as usize) < fixed);
+                if stays[number] || is_fixed {
                     continue;
                 }
                 if let Some(onto) = self.move_piece(&pieces[number], &piece_of, &near, gap) {
@@ -125,7 +127,7 @@ mod tests {
             radii: vec![1.0; 5],
             period: DVec3::splat(20.0),
         };
-        spheres.attach(1e-6);
+        spheres.attach(1e-6, 0);
         assert_eq!(spheres.pieces(1e-6).len(), 1);
         assert!((spheres.distance(3, 4) - 2.0).abs() < 1e-9);
         assert!((spheres.distance(4, 0) - 2.0).abs() < 1e-9);

@@ -78,3 +78,36 @@ fn a_slab_has_the_density_of_its_pack_without_its_seam() {
         assert!((got / density - 1.0).abs() <= 0.01, "{density}: {got}");
     }
 }
+
+/// Variants fit each other at all faces, are as dense as the pack, and overlap no more than it does.
+#[test]
+fn variants_share_their_frames_and_are_packs() {
+    let pack = made(Radii::Uniform { mean: R, variation: 0.3 * R }, 250.0);
+    let variants = pack.variants(7);
+    assert_eq!(variants.len(), VARIANTS);
+    assert_eq!(pack.variants(7), variants);
+    let near = i64::from(pack.field.largest_radius_quanta()) + 2;
+    let frame = |variant: &Vec<QuantisedGrain>| -> Vec<QuantisedGrain> {
+        let is_outer = |grain: &&QuantisedGrain| {
+            (0..3).any(|axis| {
+                let at = i64::from(grain.center[axis]);
+                at < near || at >= pack.period[axis] - near
+            })
+        };
+        variant.iter().filter(is_outer).copied().collect()
+    };
+    for variant in &variants {
+        assert_eq!(frame(variant), frame(&variants[0]));
+        let ratio = variant.len() as f64 / pack.field.len() as f64;
+        assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+        let field = GrainField::new(pack.field.quantisation, variant.clone());
+        let connections = connections_of_pack(&PeriodicPack { field, ..pack.clone() });
+        let quantum = pack.field.quantisation.quantum();
+        assert!(connections.greatest_overlap_depth <= 1.8 * quantum, "{connections:?}");
+        println!("{} of a variant hang together", connections.connected_fraction);
+        // Chains that went through what was taken out of the frame hang free.
+        assert!(connections.connected_fraction > 0.6, "{connections:?}");
+    }
+    assert!(variants[1] != variants[0] && variants[2] != variants[1]);
+    assert_eq!(made(Radii::equal(R), 640.0).variants(7).len(), 1);
+}

@@ -10,7 +10,7 @@ mod pair;
 mod samples;
 
 pub use connect::{Connection, Connector};
-pub use pair::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
+pub use pair::{Between, PairPath, Passed, Pencil, SpherePair, SphereVisit};
 pub use samples::Scattered;
 
 use crate::sphere::Impact;

@@ -11,8 +11,7 @@
 //! - there light leaves along u + b n', or is reflected, u' = u - 2 eta c_t n'.
 
 use super::dual::{Dual, DualVector};
-use crate::Dielectric;
-use crate::sphere::Impact;
+use crate::{Dielectric, fresnel};
 use snowgrain_math::{DVec3, frame};
 
 /// Newton's steps of a search, and the times that each is halved at most.
@@ -74,6 +73,14 @@ pub struct PairPath {
     pub passed: [Passed; 2],
     /// Derivatives of the direction in which it leaves the second.
     leaves_by: [DVec3; 2],
+}
+
+/// A ray of a pencil behind the first of two spheres.
+#[derive(Clone, Copy)]
+pub struct Between {
+    ray: Ray<0>,
+    /// How it passed that.
+    pub passed: Passed,
 }
 
 /// A ray with its derivatives by the numbers of the pencil, or without.
@@ -151,8 +158,22 @@ impl SpherePair {
     /// How a ray of the pencil passes both spheres; `None` where it does not, or is reflected totally.
     #[must_use]
     pub fn pass(&self, pencil: &Pencil, at: [f64; 2]) -> Option<[Passed; 2]> {
-        let (_, passed) = self.pass_both(pencil.with_derivatives(at, [], []))?;
-        Some(passed)
+        self.pass_second(&self.pass_first(pencil, at)?)
+    }
+
+    /// How a ray of the pencil passes the first sphere, whatever it does then.
+    #[must_use]
+    pub fn pass_first(&self, pencil: &Pencil, at: [f64; 2]) -> Option<Between> {
+        let ray = pencil.with_derivatives(at, [], []);
+        let (ray, passed) = self.visits[0].pass(ray, self.medium.eta)?;
+        Some(Between { ray, passed })
+    }
+
+    /// How such a ray passes both.
+    #[must_use]
+    pub fn pass_second(&self, between: &Between) -> Option<[Passed; 2]> {
+        let (_, second) = self.visits[1].pass(between.ray, self.medium.eta)?;
+        Some([between.passed, second])
     }
 
     /// The same, with how neighbouring rays leave.
@@ -183,8 +204,14 @@ impl SpherePair {
     #[must_use]
     pub fn part(&self, sphere: usize, passed: &Passed) -> (f64, f64) {
         let SphereVisit { order, radius, .. } = self.visits[sphere];
-        let impact = Impact::at_cosine(self.medium, passed.cosine);
-        (impact.energy(order), f64::from(order) * impact.chord() * radius)
+        let reflectance = self.medium.reflectance_from_outside(passed.cosine);
+        let inside = fresnel::cos_refracted(passed.cosine, self.medium.eta).unwrap_or(0.0);
+        let reflected = (1..order).fold(1.0, |part, _| part * reflectance);
+        let part = match order {
+            0 => reflectance,
+            _ => (1.0 - reflectance) * (1.0 - reflectance) * reflected,
+        };
+        (part, f64::from(order) * 2.0 * inside * radius)
     }
 
     /// The ray of the pencil that leaves along the unit vector `wanted`, by Newton's steps from `start` that never

@@ -32,6 +32,7 @@ fn scene(objects: Vec<ObjectDescription>, snow: Vec<SnowDescription>) -> SceneDe
         light_finding: LightFinding::Exact,
         deep: None,
         packing: None,
+        tiled: None,
     }
 }
 

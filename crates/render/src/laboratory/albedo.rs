@@ -4,15 +4,15 @@ use super::kernel::layers_for;
 use super::lengths::Ends;
 use super::nodes::{nodes_for, weights_at};
 use super::progress::{Round, Tell, part_of};
-use super::{GrainLayer, Incidence, SnowLayer, SnowStack};
+use super::{GrainLayer, Incidence, Scatterers, SnowLayer, SnowStack};
 use crate::measure::Estimate;
 use rayon::prelude::*;
 use snowgrain_accel::SimdLevel;
 use snowgrain_accel::homogeneous::{HomogeneousEnd, trace_homogeneous};
 use snowgrain_math::trig;
-use snowgrain_optics::sphere::{self, Polarisation};
-use snowgrain_optics::theory::{self, Fluxes, SingleScattering};
-use snowgrain_optics::{Dielectric, ice};
+use snowgrain_optics::ice;
+use snowgrain_optics::sphere::Polarisation;
+use snowgrain_optics::theory::{self, Fluxes};
 
 /// Paths that a thread follows at a time.
 const PATHS_PER_TASK: u64 = 1 << 10;
@@ -67,7 +67,7 @@ pub struct Albedo {
     pub absorptance: f64,
 }
 
-/// Layers in which grains are met at random, by the closed form of a sphere (see
+/// Layers in which grains are met at random, by the closed form of a sphere or by samples of what shapes do (see
 /// `snowgrain_accel::homogeneous`): Monte Carlo, unbiased but for the interpolation between refractive
 /// indices. The result depends on the settings only.
 #[must_use]
@@ -323,7 +323,7 @@ pub enum Theory {
     TwoStream,
     /// Kokhanovsky and Zege 2004.
     KokhanovskyZege,
-    /// Bohren and Barkstrom 1974: deep snow under diffuse light.
+    /// Bohren and Barkstrom 1974: deep snow of spheres under diffuse light.
     BohrenBarkstrom,
 }
 
@@ -337,20 +337,17 @@ pub fn theoretical_albedo(
     wavelength_nm: f64,
 ) -> Option<Albedo> {
     let [layer] = stack.layers.as_slice() else { return None };
-    let medium = Dielectric { eta: ice::refractive_index(wavelength_nm) };
+    let grain = layer.single_scattering(stack.ice, polarisation, wavelength_nm);
     let absorption = layer.absorption_per_metre(stack.ice, wavelength_nm) * layer.radius;
-    let asymmetry = match polarisation {
-        Polarisation::Redrawn => sphere::asymmetry(medium),
-        Polarisation::Tracked => sphere::asymmetry_of_polarised(medium),
-    };
-    let grain = SingleScattering { co_albedo: sphere::co_albedo(medium, absorption), asymmetry };
     let depth = layer.optical_depth();
     let fluxes = |incidence: theory::Incidence| match theory {
         Theory::WiscombeWarren => Some(theory::wiscombe_warren(grain, depth, incidence)),
         Theory::TwoStream => Some(theory::two_stream(grain, depth, incidence)),
         Theory::KokhanovskyZege => Some(theory::kokhanovsky_zege(grain, depth, incidence)),
         Theory::BohrenBarkstrom => {
-            let applies = depth.is_infinite() && incidence == theory::Incidence::Diffuse;
+            let applies = depth.is_infinite()
+                && incidence == theory::Incidence::Diffuse
+                && layer.scatterers == Scatterers::Spheres;
             let reflectance = theory::bohren_barkstrom(absorption).max(0.0);
             applies.then_some(Fluxes { reflectance, transmittance: 0.0 })
         }

@@ -2,7 +2,7 @@
 
 use super::albedo::bands;
 use super::batches::Batches;
-use super::kernel::{absorptions, illumination, least_absorption, optical_bottoms};
+use super::kernel::{absorptions, illumination, least_absorption, optical_bottoms, scattering};
 use super::nodes::{nodes_for, weights_at};
 use super::progress::{Tell, part_of};
 use super::{AlbedoSettings, Incidence, SnowStack, homogeneous_albedo};
@@ -12,16 +12,13 @@ use snowgrain_accel::SimdLevel;
 use snowgrain_accel::homogeneous::{GrainExtent, Meeting, SpaceLayers, trace_in_space};
 use snowgrain_math::trig;
 use snowgrain_optics::phase::PhaseTable;
-use snowgrain_optics::sphere::{self, Polarisation};
-use snowgrain_optics::theory::{self, SingleScattering};
-use snowgrain_optics::{Dielectric, ice};
+use snowgrain_optics::sphere::Polarisation;
+use snowgrain_optics::{ice, theory};
 
 /// Paths that are counted together; the differences between such counts give the errors.
 const PATHS_PER_BATCH: u64 = 1 << 8;
 /// Batches of the first round.
 const FIRST_BATCHES: u64 = 32;
-/// Bins of the phase function: .04 degrees wide at its rainbow, 1.8 at its very front.
-const PHASE_BINS: usize = 1 << 12;
 /// Optical depths along the way out from which less than 2e-7 of the light comes: not counted.
 const DEEPEST: f32 = 16.0;
 /// Below this optical depth little light escapes: of the meetings some are left out, half as fast as it
@@ -123,14 +120,7 @@ pub fn kokhanovsky_breon_brdf(
 ) -> Option<Vec<Vec<Estimate>>> {
     let [layer] = stack.layers.as_slice() else { return None };
     let of_wavelength = |&nm: &f64| {
-        let medium = Dielectric { eta: ice::refractive_index(nm) };
-        let absorption = layer.absorption_per_metre(stack.ice, nm) * layer.radius;
-        let asymmetry = match settings.polarisation {
-            Polarisation::Redrawn => sphere::asymmetry(medium),
-            Polarisation::Tracked => sphere::asymmetry_of_polarised(medium),
-        };
-        let grain =
-            SingleScattering { co_albedo: sphere::co_albedo(medium, absorption), asymmetry };
+        let grain = layer.single_scattering(stack.ice, settings.polarisation, nm);
         let factor = |&view: &View| {
             let (cosines, scattering) = settings.geometry(view);
             let mean = theory::kokhanovsky_breon(grain, cosines, scattering);
@@ -181,13 +171,7 @@ impl<'a> Search<'a> {
         let rays = settings.views.iter().map(ray).collect();
         let absorptions = absorptions(&stack.layers, stack, &settings.wavelengths_nm);
         let nodes = nodes_for(&settings.wavelengths_nm);
-        let phase = |&eta: &f64| {
-            let of = |absorptions: &Vec<f64>| {
-                let medium = Dielectric { eta };
-                PhaseTable::new(medium, settings.polarisation, absorptions, PHASE_BINS)
-            };
-            absorptions.iter().map(of).collect()
-        };
+        let phase = |&eta: &f64| phases(stack, settings.polarisation, eta, &absorptions);
         let phases = nodes.iter().map(phase).collect();
         Self { stack, settings, rays, slants, nodes, phases, absorptions }
     }
@@ -217,26 +201,28 @@ impl<'a> Search<'a> {
     }
 
     /// Of each wavelength the light that one grain sends into each view: p / (4 (mu + mu0)) for each
-    /// layer, times what lies between its faces of exp(-tau (1/mu + 1/mu0)). The refractive index is that
-    /// of the wavelength: nothing can be interpolated across a rainbow.
+    /// layer, times what lies between its faces of exp(-tau (1/mu + 1/mu0)), where what goes straight through
+    /// grains counts as not met. The refractive index is that of the wavelength: nothing can be interpolated
+    /// across a rainbow.
     fn scattered_once(&self) -> Vec<Vec<f64>> {
         let settings = self.settings;
         let bottoms = optical_bottoms(&self.stack.layers);
         let of_wavelength = |(index, &nm): (usize, &f64)| {
-            let medium = Dielectric { eta: ice::refractive_index(nm) };
-            let phase = |of: &Vec<f64>| {
-                PhaseTable::new(medium, settings.polarisation, &of[index..=index], PHASE_BINS)
-            };
-            let phases: Vec<PhaseTable> = self.absorptions.iter().map(phase).collect();
+            let here: Vec<Vec<f64>> = self.absorptions.iter().map(|of| vec![of[index]]).collect();
+            let eta = ice::refractive_index(nm);
+            let phases = phases(self.stack, settings.polarisation, eta, &here);
             let light = |&view: &View| {
                 let ([sun, cosine], scattering) = settings.geometry(view);
                 let slope = 1.0 / sun + 1.0 / cosine;
-                let left = |depth: f32| trig::exp(-slope * f64::from(depth));
-                let (mut top, mut light) = (0.0, 0.0);
+                let left = |depth: f64| trig::exp(-slope * depth);
+                let (mut top, mut above, mut light) = (0.0, 0.0, 0.0);
                 for (phase, &bottom) in phases.iter().zip(&bottoms) {
-                    let once = f64::from(phase.at(scattering as f32)[0]);
-                    light += once * (left(top) - left(bottom)) / (4.0 * (sun + cosine));
-                    top = bottom;
+                    let bottom = f64::from(bottom);
+                    let turned = 1.0 - phase.straight()[0];
+                    let below = above + turned * (bottom - top);
+                    let once = f64::from(phase.at(scattering as f32)[0]) / turned;
+                    light += once * (left(above) - left(below)) / (4.0 * (sun + cosine));
+                    (top, above) = (bottom, below);
                 }
                 light
             };
@@ -263,8 +249,9 @@ impl<'a> Search<'a> {
                 search: self,
                 phases: &self.phases[node],
                 bottoms: &layers.bottoms,
+                sun: layers.illumination.direction(),
                 left: vec![0.0; count],
-                escapes: vec![0.0; self.slants.len()],
+                escapes: vec![0.0; self.slants.len() * count],
                 sums: &mut sums,
             };
             let paths = batch * PATHS_PER_BATCH..(batch + 1) * PATHS_PER_BATCH;
@@ -288,6 +275,7 @@ impl<'a> Search<'a> {
             eta,
             polarisation: settings.polarisation,
             bottoms: optical_bottoms(&stack.layers),
+            scattering: scattering(&stack.layers, eta),
             free_path: 1.0,
             extent: GrainExtent::Points,
             illumination: illumination(Incidence::Sun {
@@ -300,11 +288,24 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Of each layer, whose grains absorb so much a radius at each wavelength.
+fn phases(
+    stack: &SnowStack,
+    polarisation: Polarisation,
+    eta: f64,
+    absorptions: &[Vec<f64>],
+) -> Vec<PhaseTable> {
+    let layers = stack.layers.iter().zip(absorptions);
+    layers.map(|(layer, of)| layer.scatterers.at(eta).phase(polarisation, of)).collect()
+}
+
 /// What is seen of the grains that paths meet.
 struct Seen<'a> {
     search: &'a Search<'a>,
     phases: &'a [PhaseTable],
     bottoms: &'a [f32],
+    /// Where the light goes until a grain turns it.
+    sun: Option<[f32; 3]>,
     /// Light of the path at each wavelength, and what of it escapes at each slant.
     left: Vec<f32>,
     escapes: Vec<f32>,
@@ -315,7 +316,7 @@ impl Seen<'_> {
     /// Adds the light that a meeting sends into every view.
     fn add(&mut self, meeting: &Meeting<'_>) {
         let kept = trig::exp_f32((0.5 * (SHALLOW - meeting.depth)).min(0.0));
-        if meeting.grain_visits == 0 || meeting.number >= kept {
+        if meeting.grain_visits == 0 || meeting.number >= kept || self.is_unturned(meeting) {
             return;
         }
         let search = self.search;
@@ -324,18 +325,52 @@ impl Seen<'_> {
             let dark: f64 = lengths.map(|(length, of)| length * of[index]).sum();
             *left = meeting.weight / kept * trig::exp_f32(-dark as f32);
         }
-        for (escape, slant) in self.escapes.iter_mut().zip(&search.slants) {
-            *escape = trig::exp_f32(-meeting.depth / slant);
-        }
+        self.escape_from(meeting.depth);
         let layer = self.bottoms.iter().position(|&bottom| meeting.depth <= bottom);
         let phase = &self.phases[layer.unwrap_or(self.phases.len() - 1)];
         let [x, y, z] = meeting.direction;
-        for (ray, sums) in search.rays.iter().zip(self.sums.chunks_exact_mut(self.left.len())) {
+        let count = self.left.len();
+        for (ray, sums) in search.rays.iter().zip(self.sums.chunks_exact_mut(count)) {
             let [to_x, to_y, to_z] = ray.direction;
             let phase = phase.at(x * to_x + y * to_y + z * to_z);
-            let escape = self.escapes[ray.slant];
-            for ((sum, left), phase) in sums.iter_mut().zip(&self.left).zip(phase) {
+            let escapes = &self.escapes[ray.slant * count..(ray.slant + 1) * count];
+            for (((sum, left), phase), escape) in
+                sums.iter_mut().zip(&self.left).zip(phase).zip(escapes)
+            {
                 *sum += f64::from(escape * left * phase);
+            }
+        }
+    }
+
+    /// Whether all grains so far let the light straight through, so that it is yet to be scattered once.
+    fn is_unturned(&self, meeting: &Meeting<'_>) -> bool {
+        self.lets_through() && self.sun == Some(meeting.direction)
+    }
+
+    fn lets_through(&self) -> bool {
+        self.phases.iter().any(|phase| phase.straight().iter().any(|&part| part > 0.0))
+    }
+
+    /// What escapes from a depth at each slant and wavelength: what goes straight through grains counts as not met,
+    /// but for what they absorb of it.
+    fn escape_from(&mut self, depth: f32) {
+        let count = self.left.len();
+        let slants = &self.search.slants;
+        if !self.lets_through() {
+            for (escapes, slant) in self.escapes.chunks_exact_mut(count).zip(slants) {
+                escapes.fill(trig::exp_f32(-depth / slant));
+            }
+            return;
+        }
+        for index in 0..count {
+            let (mut top, mut met) = (0.0, 0.0);
+            for (phase, &bottom) in self.phases.iter().zip(self.bottoms) {
+                let here = f64::from(bottom.min(depth)) - top;
+                met += (1.0 - phase.straight()[index]) * here.max(0.0);
+                top = f64::from(bottom);
+            }
+            for (escapes, slant) in self.escapes.chunks_exact_mut(count).zip(slants) {
+                escapes[index] = trig::exp_f32(-(met as f32) / slant);
             }
         }
     }

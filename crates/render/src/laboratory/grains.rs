@@ -2,7 +2,7 @@
 
 use super::lengths::Ends;
 use super::progress::Round;
-use super::{AlbedoSettings, Incidence, SnowLayer, SnowStack, SpreadSettings};
+use super::{AlbedoSettings, Incidence, Scatterers, SnowLayer, SnowStack, SpreadSettings};
 use crate::measure::{self, SlabSettings};
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
 use crate::{RenderError, World};
@@ -73,8 +73,13 @@ impl GrainLayer {
     /// The stack of which [`Self::new`] makes grains: the depth of a lattice becomes that of whole layers.
     ///
     /// # Errors
-    /// Several layers, infinite depth, a density that the pack does not reach.
+    /// Several layers, infinite depth, a density that the pack does not reach, grains that are no spheres.
     pub fn packed(stack: &SnowStack, pack: Pack) -> Result<SnowStack, RenderError> {
+        if stack.layers.iter().any(|layer| layer.scatterers != Scatterers::Spheres) {
+            let reason =
+                "grains are packed as spheres; ask for --method homogeneous, or leave --shapes out";
+            return Err(unfit("shapes", reason.into()));
+        }
         let Some(stacking) = pack.stacking() else { return Ok(stack.clone()) };
         let layer = only_layer(stack)?;
         let layers = layer_settings(layer, stacking).layers()?;

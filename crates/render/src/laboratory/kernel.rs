@@ -1,7 +1,7 @@
 //! Layers as the kernels of `snowgrain_accel::homogeneous` want them.
 
 use super::{AlbedoSettings, Incidence, SnowLayer, SnowStack};
-use snowgrain_accel::homogeneous::{HomogeneousLayers, Illumination};
+use snowgrain_accel::homogeneous::{GrainScattering, HomogeneousLayers, Illumination};
 use snowgrain_math::trig;
 
 /// The layers from where light enters on.
@@ -15,6 +15,7 @@ pub(super) fn layers_for(
         eta,
         polarisation: settings.polarisation,
         bottoms: optical_bottoms(layers),
+        scattering: scattering(layers, eta),
         planes: Vec::new(),
         illumination: illumination(settings.incidence),
         seed: settings.seed,
@@ -29,6 +30,11 @@ pub(super) fn illumination(incidence: Incidence) -> Illumination {
             Illumination::Parallel(trig::sin_cos(zenith_degrees.to_radians()).1 as f32)
         }
     }
+}
+
+/// What the grains of each layer do at a refractive index.
+pub(super) fn scattering(layers: &[SnowLayer], eta: f64) -> Vec<GrainScattering> {
+    layers.iter().map(|layer| layer.scatterers.at(eta).scattering()).collect()
 }
 
 /// Optical depth of the bottom of each layer.

@@ -79,6 +79,50 @@ pub fn scattering(
     }
 }
 
+/// The same of shapes that are mixed, each with its part of the grains: light meets each as often as its part of all
+/// shadows. `paths` are followed of each.
+///
+/// # Panics
+/// As [`scattering`]; if there are no shapes.
+#[must_use]
+pub fn scattering_of_mix(
+    shapes: &[(Shape, f64)],
+    eta: f64,
+    bins: usize,
+    paths: (u64, u64),
+    level: SimdLevel,
+) -> Scattering {
+    let found: Vec<(Scattering, f64)> = shapes
+        .iter()
+        .map(|(shape, part)| (scattering(shape, eta, bins, paths, level), *part))
+        .collect();
+    if let [(only, _)] = &found[..] {
+        return only.clone();
+    }
+    let weighted = |of: &dyn Fn(&Scattering) -> Estimate, weight: &dyn Fn(usize) -> f64| {
+        let all: f64 = (0..found.len()).map(weight).sum();
+        let (mut mean, mut variance) = (0.0, 0.0);
+        for (index, (one, _)) in found.iter().enumerate() {
+            let (estimate, part) = (of(one), weight(index) / all);
+            mean += part * estimate.mean;
+            variance += (part * estimate.standard_error) * (part * estimate.standard_error);
+        }
+        Estimate { mean, standard_error: variance.sqrt() }
+    };
+    let by_number = |index: usize| found[index].1;
+    // The shadows that are known exactly: those that were met are one estimate with the rest.
+    let by_shadow = |index: usize| found[index].1 * shapes[index].0.mean_projected_area();
+    let energy = |bin: usize| weighted(&|one| one.energy_by_angle[bin], &by_shadow);
+    Scattering {
+        paths: found.iter().map(|(one, _)| one.paths).sum(),
+        asymmetry: weighted(&|one| one.asymmetry, &by_shadow),
+        enhancement: weighted(&|one| one.enhancement, &by_number),
+        projected_area: weighted(&|one| one.projected_area, &by_number),
+        interface_events: weighted(&|one| one.interface_events, &by_shadow),
+        energy_by_angle: (0..bins).map(energy).collect(),
+    }
+}
+
 /// Light of an even field that met a grain, path by path.
 ///
 /// # Panics

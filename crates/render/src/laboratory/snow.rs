@@ -1,7 +1,11 @@
 //! Flat layers of snow and what lights them.
 
+use super::Scatterers;
+use super::scatterers::Grain;
+use snowgrain_optics::Impurity;
 use snowgrain_optics::ice::{self, ICE_DENSITY, IceAbsorption};
-use snowgrain_optics::{Dielectric, Impurity, sphere};
+use snowgrain_optics::sphere::Polarisation;
+use snowgrain_optics::theory::SingleScattering;
 
 /// How light arrives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,10 +19,12 @@ pub enum Incidence {
     },
 }
 
-/// A layer of equal grains of ice.
+/// A layer of grains of ice of equal size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SnowLayer {
-    /// Radius of the grains, metres.
+    /// What the grains are.
+    pub scatterers: Scatterers,
+    /// Radius of the grains, that of spheres of equal volume, metres.
     pub radius: f64,
     /// Density, kg/m^3, above 0 and at most 917.
     pub density: f64,
@@ -43,7 +49,7 @@ impl SnowLayer {
     /// Extinction by grains, 1/m: the projected area of all grains in a volume.
     #[must_use]
     pub fn extinction_per_metre(&self) -> f64 {
-        0.75 * (self.density / ICE_DENSITY) / self.radius
+        0.75 * (self.density / ICE_DENSITY) / self.radius * self.scatterers.shadow()
     }
 
     /// Optical depth.
@@ -52,22 +58,35 @@ impl SnowLayer {
         self.extinction_per_metre() * self.depth
     }
 
+    /// What a grain does to light, for theories.
+    pub(super) fn single_scattering(
+        &self,
+        ice: IceAbsorption,
+        polarisation: Polarisation,
+        wavelength_nm: f64,
+    ) -> SingleScattering {
+        let grain = self.scatterers.at(ice::refractive_index(wavelength_nm));
+        let absorption = self.absorption_per_metre(ice, wavelength_nm) * self.radius;
+        let co_albedo = grain.co_albedo(absorption);
+        SingleScattering { co_albedo, asymmetry: grain.asymmetry(polarisation) }
+    }
+
     /// Absorption a metre of ice, with that of the impurities: such that the co-albedo of a grain is that of
-    /// its ice and `4 c MAC / SSA` of each impurity (an external mixture).
+    /// its ice and what each impurity absorbs beside it (an external mixture): `4 c MAC / SSA` for convex grains.
     #[must_use]
     pub fn absorption_per_metre(&self, ice: IceAbsorption, wavelength_nm: f64) -> f64 {
         if self.impurities.is_empty() {
             return ice.per_metre(wavelength_nm);
         }
-        let medium = Dielectric { eta: ice::refractive_index(wavelength_nm) };
-        let enhancement = sphere::absorption_enhancement(medium);
+        let grain = self.scatterers.at(ice::refractive_index(wavelength_nm));
+        let enhancement = grain.enhancement();
         let impurities = self.impurities.iter();
         let beside: f64 = impurities.map(|i| i.per_metre_of_ice(wavelength_nm, enhancement)).sum();
         let pure = ice.per_metre(wavelength_nm) * self.radius;
         let first_order = pure + beside * self.radius;
-        let added = 4.0 / 3.0 * beside * self.radius * enhancement;
-        let co_albedo = (sphere::co_albedo(medium, pure) + added).min(MOST_CO_ALBEDO);
-        with_co_albedo(medium, co_albedo, first_order) / self.radius
+        let added = beside * self.radius * grain.mean_length();
+        let co_albedo = (grain.co_albedo(pure) + added).min(MOST_CO_ALBEDO);
+        with_co_albedo(&grain, co_albedo, first_order) / self.radius
     }
 }
 
@@ -77,12 +96,12 @@ const MOST_CO_ALBEDO: f64 = 0.9;
 const WEAK: f64 = 1e-4;
 
 /// The absorption per radius of a grain with this co-albedo, which is about `first_order`.
-fn with_co_albedo(medium: Dielectric, co_albedo: f64, first_order: f64) -> f64 {
+fn with_co_albedo(grain: &Grain, co_albedo: f64, first_order: f64) -> f64 {
     if first_order < WEAK {
         return first_order;
     }
     // Secants: the co-albedo rises ever more slowly.
-    let off = |absorption: f64| sphere::co_albedo(medium, absorption) - co_albedo;
+    let off = |absorption: f64| grain.co_albedo(absorption) - co_albedo;
     let (mut last, mut last_off) = (0.0, -co_albedo);
     let mut absorption = first_order;
     for _ in 0..12 {
@@ -108,7 +127,7 @@ impl SnowStack {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use snowgrain_optics::{ImpurityKind, Load};
+    use snowgrain_optics::{Dielectric, ImpurityKind, Load, sphere};
 
     #[test]
     fn a_grain_absorbs_what_its_ice_and_its_impurities_do_together() {
@@ -118,7 +137,13 @@ mod tests {
             let kind = ImpurityKind::BlackCarbonBond2006;
             let soot = Impurity { kind, load: Load::MassFraction(load) };
             let impurities = vec![soot];
-            let layer = SnowLayer { radius, density: 300.0, depth: 1.0, impurities };
+            let layer = SnowLayer {
+                scatterers: Scatterers::Spheres,
+                radius,
+                density: 300.0,
+                depth: 1.0,
+                impurities,
+            };
             let ice = IceAbsorption::default();
             let medium = Dielectric { eta: ice::refractive_index(wavelength) };
             let alone = sphere::co_albedo(medium, ice.per_metre(wavelength) * radius);

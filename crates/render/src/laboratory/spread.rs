@@ -9,15 +9,15 @@ use super::batches::Batches;
 use super::grains::GrainExit;
 use super::kernel::{illumination, least_absorption};
 use super::progress::Tell;
-use super::{GrainLayer, SnowLayer, SnowStack};
+use super::{GrainLayer, Scatterers, SnowLayer, SnowStack};
 use crate::measure::Estimate;
 use histogram::{Axis, cumulated, quantile};
 use snowgrain_accel::homogeneous::{
-    GrainExtent, HomogeneousEnd, SpaceEnd, SpaceLayers, trace_in_space,
+    GrainExtent, GrainScattering, HomogeneousEnd, SpaceEnd, SpaceLayers, trace_in_space,
 };
 use snowgrain_math::trig;
 use snowgrain_optics::ice::{self, ICE_DENSITY};
-use snowgrain_optics::{Dielectric, sphere};
+use snowgrain_optics::sphere::Polarisation;
 use std::ops::Range;
 
 /// Paths that are counted together; the differences between such counts give the errors.
@@ -36,14 +36,14 @@ const SHORTEST: f64 = 0.01;
 /// Between grains a path is free for an exponential length whose mean is that between touching no other
 /// grain, 4 r (1 - phi) / (3 phi); a grain takes it from where it enters to where it leaves the sphere.
 /// (Grains that are points, as [`super::homogeneous_albedo`] has them, spread light 10 to 20 % less.)
-/// `None` for several layers or a ground that reflects.
+/// `None` for several layers, a ground that reflects, or grains that are no spheres.
 #[must_use]
 pub fn homogeneous_spread(
     stack: &SnowStack,
     settings: &SpreadSettings,
     tell: Tell<'_>,
 ) -> Option<Vec<Spread>> {
-    let layer = only_layer(stack)?;
+    let layer = only_layer(stack).filter(|layer| layer.scatterers == Scatterers::Spheres)?;
     let spread = |index: usize, wavelength_nm: f64| {
         let tell = super::progress::part_of(tell, index, settings.wavelengths_nm.len());
         let layers = layers(stack, layer, settings, wavelength_nm);
@@ -111,6 +111,7 @@ fn layers(
         eta: ice::refractive_index(wavelength_nm),
         polarisation: settings.polarisation,
         bottoms: vec![(layer.depth / layer.radius) as f32],
+        scattering: vec![GrainScattering::Sphere],
         free_path: (4.0 * (1.0 - solid) / (3.0 * solid)) as f32,
         extent: GrainExtent::Spheres,
         illumination: illumination(settings.incidence),
@@ -149,7 +150,7 @@ impl<'a> Search<'a> {
         wavelength_nm: f64,
     ) -> Self {
         let eta = ice::refractive_index(wavelength_nm);
-        let asymmetry = sphere::asymmetry(Dielectric { eta });
+        let asymmetry = layer.scatterers.at(eta).asymmetry(Polarisation::Redrawn);
         let transport_length = 1.0 / (layer.extinction_per_metre() * (1.0 - asymmetry));
         let axis = |decades: u32| Axis {
             first: SHORTEST * transport_length,

@@ -6,11 +6,13 @@
 
 mod body;
 mod glints;
+mod packed_slab;
 mod slab;
 
 pub use body::{BodyMeasure, measure_body};
 pub use glints::{GlintCount, GlintKind, GlintMeasure, GlintSun, measure_glints};
-pub use slab::{Incidence, SlabMeasure, SlabSettings, measure_slab};
+pub use packed_slab::PackedSlab;
+pub use slab::{Incidence, SlabMeasure, SlabSettings, measure_slab, measure_slab_in_medium};
 
 use rayon::prelude::*;
 

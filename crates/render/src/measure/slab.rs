@@ -2,6 +2,7 @@
 
 use super::{Estimate, Moments, in_tasks};
 use crate::World;
+use crate::transport::medium::{Medium, trace_in_medium};
 use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
 use snowgrain_accel::SimdLevel;
 use snowgrain_math::sampler::{PathKey, numbers};
@@ -99,10 +100,24 @@ const ORDERS: usize = 33;
 /// depend on threads.
 #[must_use]
 pub fn measure_slab(world: &World, settings: &SlabSettings) -> SlabMeasure {
+    measure(settings, |source| trace(world, settings.level, source))
+}
+
+/// As [`measure_slab`], of light that meets the grains as a medium.
+#[must_use]
+pub fn measure_slab_in_medium(
+    world: &World,
+    medium: &Medium,
+    settings: &SlabSettings,
+) -> SlabMeasure {
+    measure(settings, |source| trace_in_medium(world, medium, source))
+}
+
+fn measure(settings: &SlabSettings, follow: impl Fn(&mut SlabSource<'_>) + Sync) -> SlabMeasure {
     let parts = in_tasks(settings.paths, |first, count| {
         let mut source =
             SlabSource { settings, next: first, end: first + count, sums: Sums::default() };
-        trace(world, settings.level, &mut source);
+        follow(&mut source);
         source.sums
     });
     let mut total = Sums::default();

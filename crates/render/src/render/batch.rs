@@ -41,8 +41,7 @@ impl Batch {
         let layers = scene.light_layers.as_ref();
         let first_layer = self.layers.len();
         self.layers.resize(first_layer + layers.map_or(0, LightLayerNames::count), [0.0; 3]);
-        let found_on_the_way = scene.search.is_some() || scene.outcomes.is_some();
-        if found_on_the_way && path.first_hit.is_some() {
+        if scene.finds_on_the_way() && path.first_hit.is_some() {
             return self.add_found((scene, band), pixel, first_layer, found);
         }
         self.lights.clear();

@@ -18,6 +18,7 @@ mod tile_sums;
 
 use crate::statistics::Statistics;
 use crate::transport::deep::Deep;
+use crate::transport::medium::trace_in_medium;
 use crate::transport::seek::Seeker;
 use crate::transport::trace_with;
 use crate::{RenderError, Scene};
@@ -221,13 +222,18 @@ impl<'a> Rendering<'a> {
     pub fn run(&self, control: &RenderControl<'_>) -> Result<(), RenderError> {
         rayon::broadcast(|_| {
             let mut stream = Stream::new(self, control);
-            let Scene { world, camera, outcomes, .. } = self.scene;
+            let Scene { world, camera, outcomes, medium, proxy, .. } = self.scene;
+            if let Some(medium) = medium {
+                trace_in_medium(world, medium, &mut stream);
+                return stream.flush();
+            }
             let level = self.settings.level;
             loop {
                 let (eta, search) = self.scene.optics_of(stream.band());
                 let seeker = search.map(|search| Seeker::new(world, camera, search, level));
                 // Learnt by light of the middle index: deep in the snow it makes no difference.
                 let deep = outcomes.as_ref().map(Deep::HandOver);
+                let deep = deep.or_else(|| proxy.as_ref().map(Deep::Proxy));
                 trace_with((world, eta), level, (seeker, deep), &mut stream);
                 if !stream.turn_to_next_band() {
                     break;

@@ -19,6 +19,7 @@ mod tests;
 mod texture;
 
 pub use material::Material;
+pub(crate) use place::Place;
 pub use scatterer::{Scattered, Scatterer};
 pub use texture::{LARGEST_TEXTURE, Reflectance, Texture, TextureMap, check_texture_size};
 

@@ -6,7 +6,7 @@ use snowgrain_math::{DAffine3, DVec3, trig};
 
 /// Where an object stands.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(crate) struct Place {
     shape: SurfaceShape,
     /// World to own space.
     to_own: DAffine3,
@@ -15,7 +15,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub(super) fn new((shape, transform): &(SurfaceShape, DAffine3)) -> Self {
+    pub(crate) fn new((shape, transform): &(SurfaceShape, DAffine3)) -> Self {
         let axes = [transform.matrix3.x_axis, transform.matrix3.z_axis];
         Self {
             shape: shape.clone(),
@@ -25,7 +25,7 @@ impl Place {
     }
 
     /// A vector to the outside of the piece at a point of it, of any length.
-    pub(super) fn outwards(&self, piece: u32, position: DVec3) -> DVec3 {
+    pub(crate) fn outwards(&self, piece: u32, position: DVec3) -> DVec3 {
         let own = match &self.shape {
             SurfaceShape::Sphere => self.to_own.transform_point3(position),
             SurfaceShape::Box => {

@@ -6,9 +6,10 @@
 //! its length in ice, from which any absorption follows afterwards (white Monte Carlo).
 //!
 //! Light is found where a path escapes, or is looked for on the way ([`seek`]); a path may end deep in the snow
-//! with what others brought from there ([`deep`]).
+//! with what others brought from there ([`deep`]). Snow may stand for a medium in which no single grain is met ([`medium`]).
 
 pub mod deep;
+pub mod medium;
 mod over_picture;
 pub mod seek;
 mod walk;

@@ -1,6 +1,7 @@
 //! Drives a [`Flight`]: fills its lanes from a source and answers its events.
 
 use super::deep::Deep;
+use super::medium::ProxyInDepth;
 use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
     Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
@@ -24,10 +25,21 @@ struct Walker<Tag> {
     tag: Tag,
     key: PathKey,
     start_event: u32,
+    /// What it did before it last entered the flight, where it went through the snow in another way.
+    before: Before,
     throughput: [f32; 3],
     surface_bounces: u32,
     releases: u32,
     first_hit: Option<FirstHit>,
+}
+
+/// What a path did before its lane in the flight began to count.
+#[derive(Clone, Copy, Default)]
+struct Before {
+    ice_length: f64,
+    air_length: f64,
+    grain_visits: u32,
+    interface_events: u32,
 }
 
 /// Traces every path of `source` through `world`; light is found where a path escapes.
@@ -136,6 +148,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 tag,
                 key,
                 start_event: event,
+                before: Before::default(),
                 throughput: [1.0; 3],
                 surface_bounces: 0,
                 releases: 0,
@@ -189,6 +202,10 @@ impl<Tag: Copy> Walk<'_, Tag> {
             FlightEvent::Left => {
                 let ray = self.flight.ray(lane);
                 self.travel_outside(lane, ray, self.flight.excluded(lane), false)
+            }
+            FlightEvent::Deep(visit) if let Some(Deep::Proxy(proxy)) = self.deep => {
+                self.go_deep(proxy, &visit);
+                None
             }
             FlightEvent::Deep(visit) => {
                 self.finish_deep(&visit, source);
@@ -269,7 +286,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let position = arrival.origin;
         let visits = self.flight.travelled(lane).grain_visits;
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
-        let is_first = visits == 0 && walker.surface_bounces == 0;
+        let is_first = visits + walker.before.grain_visits == 0 && walker.surface_bounces == 0;
         let object = hit.id.object as usize;
         if let Some(Some(emitter)) = self.world.emitters.get(object) {
             if is_first && !emitter.visible_to_camera {
@@ -384,8 +401,9 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 &trail.contributions
             }
             (None, Some(deep)) => {
+                let Some(lights) = deep.lights() else { return source.finish(walker.tag, &result) };
                 self.found.clear();
-                deep.at_end(&result, &mut self.found);
+                Deep::at_end(lights, &result, &mut self.found);
                 &self.found
             }
         };
@@ -393,6 +411,28 @@ impl<Tag: Copy> Walk<'_, Tag> {
             learner.learn(lane, found);
         }
         source.finish_with_light(walker.tag, &result, found);
+    }
+
+    /// Lets a path that arrives deep in the snow go on among spheres that are met at random, until it comes back to the
+    /// real ones.
+    fn go_deep(&mut self, proxy: &ProxyInDepth, visit: &GrainVisit) {
+        let (lane, grid) = (visit.lane, &self.world.grid);
+        let travelled = self.flight.travelled(lane);
+        let first_hit = self.first_hit(lane);
+        let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
+        let emerged = proxy.follow(self.world, walker.key, visit);
+        walker.first_hit = first_hit;
+        let grain_visits = visit.grain_visits + emerged.grain_visits;
+        let events = visit.event - walker.start_event;
+        let before = &mut walker.before;
+        before.ice_length += f64::from(visit.ice_length) * grid.quantum() + emerged.ice_length;
+        before.air_length += travelled.air_length;
+        before.grain_visits += grain_visits;
+        before.interface_events += events + 2 * (emerged.grain_visits + 1);
+        walker.start_event = emerged.event;
+        self.flight.launch(lane, walker.key, emerged.event);
+        let Ray { origin, direction } = emerged.ray;
+        self.flight.enter(lane, grid.locate(origin), direction, None);
     }
 
     /// Ends a path that arrives deep in the snow with what others brought from there.
@@ -422,6 +462,19 @@ impl<Tag: Copy> Walk<'_, Tag> {
         source.finish_with_light(walker.tag, &result, found);
     }
 
+    /// What the path of a lane met first.
+    fn first_hit(&self, lane: usize) -> Option<FirstHit> {
+        let walker = self.walkers[lane].as_ref().expect("a lane that ends has a walker");
+        walker.first_hit.or_else(|| {
+            self.flight.first_grain(lane).map(|grain| FirstHit {
+                position: grain.position,
+                normal: grain.normal,
+                albedo: [1.0; 3],
+                is_shadow_catcher: false,
+            })
+        })
+    }
+
     /// What became of the path of a lane, which is free then.
     fn result(
         &mut self,
@@ -430,24 +483,18 @@ impl<Tag: Copy> Walk<'_, Tag> {
         travelled: Travelled,
         ice_in_strata: [f64; STRATA],
     ) -> (Walker<Tag>, PathResult) {
+        let first_hit = self.first_hit(lane);
         let walker = self.walkers[lane].take().expect("a lane that ends has a walker");
-        let first_hit = walker.first_hit.or_else(|| {
-            self.flight.first_grain(lane).map(|grain| FirstHit {
-                position: grain.position,
-                normal: grain.normal,
-                albedo: [1.0; 3],
-                is_shadow_catcher: false,
-            })
-        });
-        let interface_events =
-            travelled.event - walker.start_event - walker.surface_bounces - walker.releases;
+        let before = walker.before;
+        let events = before.interface_events + (travelled.event - walker.start_event);
+        let interface_events = events - walker.surface_bounces - walker.releases;
         let result = PathResult {
             end,
             throughput: walker.throughput,
-            ice_length: travelled.ice_length,
+            ice_length: before.ice_length + travelled.ice_length,
             ice_in_strata,
-            air_length: travelled.air_length,
-            grain_visits: travelled.grain_visits,
+            air_length: before.air_length + travelled.air_length,
+            grain_visits: before.grain_visits + travelled.grain_visits,
             interface_events,
             surface_bounces: walker.surface_bounces,
             releases: walker.releases,

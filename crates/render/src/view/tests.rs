@@ -52,6 +52,7 @@ fn scene(width: u32, height: u32) -> SceneDescription {
         light_finding: LightFinding::Exact,
         deep: None,
         packing: None,
+        tiled: None,
     }
 }
 

@@ -2,10 +2,10 @@
 
 use crate::failure::Failure;
 use core::f64::consts::PI;
-use snowgrain_accel::{GrainGrid, Packing, Surfaces};
+use snowgrain_accel::{GrainGrid, Packing, ShapedGrains, Surfaces};
 use snowgrain_geometry::Quantisation;
 use snowgrain_grains::{
-    DepositSettings, GrainField, LatticeCell, LatticeKind, LatticeSettings, Snowfall,
+    DepositSettings, FieldShapes, GrainField, LatticeCell, LatticeKind, LatticeSettings, Snowfall,
 };
 use snowgrain_math::{Aabb, DVec3};
 use snowgrain_render::{RenderError, World};
@@ -20,7 +20,7 @@ const LARGEST_RADII_PER_CELL: f64 = 2.5;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GrainSums {
     pub(super) grains: u64,
-    /// Sum of the squares of the radii, m^2.
+    /// Sum of the squares of the radii, or of those of spheres of the surface that shapes have, m^2.
     pub(super) squares: f64,
     /// Sum of their cubes, m^3.
     pub(super) cubes: f64,
@@ -28,7 +28,19 @@ pub(super) struct GrainSums {
 
 impl GrainSums {
     fn of_field(field: &GrainField) -> Self {
-        field.iter().fold(Self::default(), |sums, grain| sums.with(1, grain.radius))
+        let Some(FieldShapes { prototypes, of_grains }) = field.shapes() else {
+            return field.iter().fold(Self::default(), |sums, grain| sums.with(1, grain.radius));
+        };
+        let grains = field.iter().zip(of_grains);
+        grains.fold(Self::default(), |sums, (grain, shape)| {
+            let surface = prototypes[shape.prototype()].surface_area() / (4.0 * PI);
+            let one = Self::default().with(1, grain.radius);
+            Self {
+                grains: sums.grains + 1,
+                squares: sums.squares + surface * one.squares,
+                cubes: sums.cubes + one.cubes,
+            }
+        })
     }
 
     fn with(self, grains: u64, radius: f64) -> Self {
@@ -133,7 +145,12 @@ pub(super) fn repeated(
         return Err(Failure::bad_input("it holds no grains"));
     }
     let quantum = field.quantisation.quantum();
-    let cell = LARGEST_RADII_PER_CELL * f64::from(field.largest_radius_quanta());
+    // Cells hold bounding spheres.
+    let reach = match field.shapes() {
+        None => f64::from(field.largest_radius_quanta()),
+        Some(_) => (field.largest_reach() / quantum).ceil(),
+    };
+    let cell = LARGEST_RADII_PER_CELL * reach;
     let mut quanta = [0i64; 2];
     for (length, metres) in quanta.iter_mut().zip(period) {
         let wanted = metres / quantum;
@@ -151,19 +168,34 @@ pub(super) fn repeated(
     }
     let [x, z] = quanta;
     let quantisation = field.quantisation;
+    let shapes = field.shapes().cloned();
     let mut grains = field.into_grains();
     for grain in &mut grains {
         grain.center[0] = i64::from(grain.center[0]).rem_euclid(x) as i32;
         grain.center[2] = i64::from(grain.center[2]).rem_euclid(z) as i32;
     }
-    periodic(&GrainField::new(quantisation, grains), quanta, ior)
+    let field = GrainField::new(quantisation, grains);
+    let field = match shapes {
+        Some(shapes) => field.with_shapes(shapes),
+        None => field,
+    };
+    periodic(&field, quanta, ior)
 }
 
 fn periodic(field: &GrainField, quanta: [i64; 2], ior: f64) -> Result<MeasuredSnow, Failure> {
-    let grid =
-        GrainGrid::build_periodic(field.quantisation, &*field.grains(), quanta, Packing::Fast)
-            .map_err(RenderError::from)?;
-    let bounds = field.bounds();
+    let grains = field.grains();
+    let grid = match field.shapes() {
+        None => GrainGrid::build_periodic(field.quantisation, &*grains, quanta, Packing::Fast),
+        Some(FieldShapes { prototypes, of_grains }) => GrainGrid::build_shaped(
+            field.quantisation,
+            (&grains, ShapedGrains { prototypes, of_grains }),
+            (&Surfaces::default(), &[]),
+            Some(quanta),
+            Packing::Fast,
+        ),
+    };
+    let grid = grid.map_err(RenderError::from)?;
+    let bounds = reach_of(field);
     let [x, z] = quanta.map(|length| length as f64 * field.quantisation.quantum());
     let hull = Aabb::new(DVec3::new(0.0, bounds.min.y, 0.0), DVec3::new(x, bounds.max.y, z));
     Ok(MeasuredSnow { world: world(grid, ior), sums: GrainSums::of_field(field), hull })
@@ -174,9 +206,15 @@ pub(super) fn body(field: &GrainField, ior: f64) -> Result<MeasuredSnow, Failure
     if field.is_empty() {
         return Err(Failure::bad_input("it holds no grains"));
     }
-    let grid =
-        GrainGrid::build(field.quantisation, &*field.grains(), &Surfaces::default(), Packing::Fast)
-            .map_err(RenderError::from)?;
+    let grid = field.pack(&Surfaces::default(), Packing::Fast).map_err(RenderError::from)?;
     let sums = GrainSums::of_field(field);
-    Ok(MeasuredSnow { world: world(grid, ior), sums, hull: field.bounds() })
+    Ok(MeasuredSnow { world: world(grid, ior), sums, hull: reach_of(field) })
+}
+
+/// A box around all of the grains as they are.
+fn reach_of(field: &GrainField) -> Aabb {
+    let largest = f64::from(field.largest_radius_quanta()) * field.quantisation.quantum();
+    let beyond = DVec3::splat(field.largest_reach() - largest);
+    let bounds = field.bounds();
+    Aabb::new(bounds.min - beyond, bounds.max + beyond)
 }

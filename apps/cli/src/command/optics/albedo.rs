@@ -14,7 +14,7 @@ use snowgrain_render::laboratory::{
 };
 use snowgrain_render::measure::Estimate;
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "method",
     "wavelength_nm",
     "radius_um",
@@ -28,6 +28,7 @@ const COLUMNS: [&str; 13] = [
     "density_kg_m3",
     "ground_albedo",
     "impurities",
+    "shapes",
 ];
 
 /// One search: of all wavelengths.
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &AlbedoArguments) -> Result<u8, Failure> {
     // A pack of grains takes much memory.
     let share = |case: &Case| match case.method {
         Method::Grains => Share::Alone,
-        _ => Share::Together,
+        _ => snow::share(&case.stack),
     };
     let find = |case: &Case, tell: Tell<'_>| parts(arguments, case, &wavelengths_nm, tell);
     let found = find_all((&progress, &pool, "albedo"), &cases, share, find)?;
@@ -93,7 +94,7 @@ fn charts(table: &Table) -> Charts {
 fn cases(arguments: &AlbedoArguments) -> Result<Vec<Case>, Failure> {
     let incidences = snow::incidences(arguments.diffuse, &arguments.sza);
     let mut cases = Vec::new();
-    for stack in snow::stacks(&arguments.snow)? {
+    for stack in snow::stacks((&arguments.snow, &arguments.search))? {
         for &incidence in &incidences {
             for &method in &arguments.method {
                 let stack = match method {
@@ -220,7 +221,9 @@ impl Search<'_> {
         });
         each.collect::<Option<Vec<Albedo>>>().ok_or_else(|| {
             let covers = match theory {
-                Theory::BohrenBarkstrom => "one layer of infinite depth under diffuse light",
+                Theory::BohrenBarkstrom => {
+                    "one layer of infinite depth, of spheres, under diffuse light"
+                }
                 Theory::WiscombeWarren | Theory::TwoStream | Theory::KokhanovskyZege => "one layer",
             };
             Failure::usage(format!(
@@ -259,5 +262,6 @@ fn row((name, case): (&str, &Case), part: &Part) -> Vec<Cell> {
         snow::density(stack),
         Cell::Number(stack.ground_albedo),
         snow::impurities(stack),
+        snow::shapes(stack),
     ]
 }

@@ -1,6 +1,6 @@
 //! `snowgrain optics brdf`.
 
-use super::cases::{Share, find_all};
+use super::cases::find_all;
 use super::plot::{self, Chart, Charts, Hemisphere, Hemispheres, Keys, Line, Scale, lines_of};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
@@ -13,7 +13,7 @@ use snowgrain_render::laboratory::{
 };
 use snowgrain_render::measure::Estimate;
 
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 13] = [
     "method",
     "wavelength_nm",
     "radius_um",
@@ -26,6 +26,7 @@ const COLUMNS: [&str; 12] = [
     "density_kg_m3",
     "ground_albedo",
     "impurities",
+    "shapes",
 ];
 
 /// Azimuths from which on the hemisphere is drawn.
@@ -43,6 +44,7 @@ const PLOT_KEYS: Keys = &[
     ("depth_m", "depth ", " m"),
     ("ground_albedo", "ground ", ""),
     ("impurities", "", ""),
+    ("shapes", "", ""),
 ];
 
 /// One search: of all wavelengths in all views.
@@ -57,7 +59,7 @@ pub(super) fn run(arguments: &BrdfArguments) -> Result<u8, Failure> {
     let pool = pool(&arguments.search.machine)?;
     let (views, wavelengths) = (views(arguments), &arguments.wavelengths.0);
     let mut cases = Vec::new();
-    for stack in snow::stacks(&arguments.snow)? {
+    for stack in snow::stacks((&arguments.snow, &arguments.search))? {
         for sun_zenith_degrees in Series::all(&arguments.sza) {
             for &method in &arguments.method {
                 let case = Case { stack: stack.clone(), sun_zenith_degrees, method };
@@ -74,7 +76,8 @@ pub(super) fn run(arguments: &BrdfArguments) -> Result<u8, Failure> {
         let settings = settings(arguments, case, &views);
         factors(case, &settings, tell)
     };
-    let found = find_all((&progress, &pool, "BRDF"), &cases, |_| Share::Together, find)?;
+    let found =
+        find_all((&progress, &pool, "BRDF"), &cases, |case: &Case| snow::share(&case.stack), find)?;
     progress.finish();
     let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
     for (case, factors) in cases.iter().zip(&found) {
@@ -205,5 +208,6 @@ fn row(case: &Case, wavelength_nm: f64, view: View, factor: Estimate) -> Vec<Cel
         snow::density(&case.stack),
         Cell::Number(case.stack.ground_albedo),
         snow::impurities(&case.stack),
+        snow::shapes(&case.stack),
     ]
 }

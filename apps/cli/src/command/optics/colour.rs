@@ -1,6 +1,6 @@
 //! `snowgrain optics colour`.
 
-use super::cases::{Share, find_all};
+use super::cases::find_all;
 use super::snow;
 use super::swatches::{Swatch, svg};
 use super::table::{Cell, Table};
@@ -19,7 +19,7 @@ use snowgrain_render::laboratory::{
 /// Standard error of the transmittance, as a part of it.
 const RELATIVE_ERROR: f64 = 0.02;
 
-const COLUMNS: [&str; 14] = [
+const COLUMNS: [&str; 15] = [
     "seen",
     "radius_um",
     "depth_m",
@@ -34,12 +34,13 @@ const COLUMNS: [&str; 14] = [
     "density_kg_m3",
     "ground_albedo",
     "impurities",
+    "shapes",
 ];
 
 pub(super) fn run(arguments: &ColourArguments) -> Result<u8, Failure> {
     let progress = Progress::new(arguments.search.quiet, false);
     let pool = pool(&arguments.search.machine)?;
-    let stacks = snow::stacks(&arguments.snow)?;
+    let stacks = snow::stacks((&arguments.snow, &arguments.search))?;
     let settings = AlbedoSettings {
         wavelengths_nm: colour_wavelengths_nm(),
         incidence: Incidence::Diffuse,
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &ColourArguments) -> Result<u8, Failure> {
     let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
     let mut swatches = Vec::new();
     let find = |stack: &SnowStack, tell: Tell<'_>| Ok(homogeneous_albedo(stack, &settings, tell));
-    let found = find_all((&progress, &pool, "colour"), &stacks, |_| Share::Together, find)?;
+    let found = find_all((&progress, &pool, "colour"), &stacks, snow::share, find)?;
     for (stack, albedos) in stacks.iter().zip(&found) {
         let Some([reflected, transmitted]) = colours(albedos, arguments.illuminant) else {
             continue;
@@ -85,6 +86,7 @@ fn row(seen: &str, stack: &SnowStack, xyz: DVec3, primaries: Primaries) -> Vec<C
         snow::density(stack),
         Cell::Number(stack.ground_albedo),
         snow::impurities(stack),
+        snow::shapes(stack),
     ]);
     cells
 }

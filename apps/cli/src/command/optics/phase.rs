@@ -17,8 +17,8 @@ const ORDERS: u32 = 6;
 mod shape;
 
 pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
-    if let Some(name) = arguments.shape.shape {
-        return shape::run(arguments, name);
+    if arguments.shape.shape.is_some() || arguments.shape.shapes.is_some() {
+        return shape::run(arguments);
     }
     let (eta, name) = index(arguments)?;
     let medium = Dielectric { eta };

@@ -1,6 +1,6 @@
 //! `snowgrain optics profile`.
 
-use super::cases::{Share, find_all};
+use super::cases::find_all;
 use super::plot::{self, Chart, Charts, Keys, Line, Scale, lines_of};
 use super::snow;
 use super::table::{Cell, Table, check_rows};
@@ -15,7 +15,7 @@ use snowgrain_render::laboratory::{
 /// Standard error of a downward flux, as a part of it.
 const RELATIVE_ERROR: f64 = 0.01;
 
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 13] = [
     "wavelength_nm",
     "radius_um",
     "sza_deg",
@@ -28,6 +28,7 @@ const COLUMNS: [&str; 12] = [
     "depth_m",
     "density_kg_m3",
     "impurities",
+    "shapes",
 ];
 
 pub(super) fn run(arguments: &ProfileArguments) -> Result<u8, Failure> {
@@ -38,7 +39,7 @@ pub(super) fn run(arguments: &ProfileArguments) -> Result<u8, Failure> {
         return Err(Failure::usage("--at: write depths from the top down, each once"));
     }
     let incidences = snow::incidences(false, &arguments.sza);
-    let cases: Vec<(SnowStack, Incidence)> = snow::stacks(&arguments.snow)?
+    let cases: Vec<(SnowStack, Incidence)> = snow::stacks((&arguments.snow, &arguments.search))?
         .into_iter()
         .flat_map(|stack| incidences.iter().map(move |&incidence| (stack.clone(), incidence)))
         .collect();
@@ -48,7 +49,8 @@ pub(super) fn run(arguments: &ProfileArguments) -> Result<u8, Failure> {
     }
     let find =
         |case: &(SnowStack, Incidence), tell: Tell<'_>| fluxes(arguments, &depths, case, tell);
-    let found = find_all((&progress, &pool, "profile"), &cases, |_| Share::Together, find)?;
+    let found =
+        find_all((&progress, &pool, "profile"), &cases, |(stack, _)| snow::share(stack), find)?;
     progress.finish();
     let mut table = Table { names: COLUMNS.to_vec(), rows: Vec::new() };
     for ((stack, incidence), profiles) in cases.iter().zip(&found) {
@@ -72,6 +74,7 @@ fn charts(table: &Table) -> Charts {
         ("density_kg_m3", "", " kg/m³"),
         ("depth_m", "depth ", " m"),
         ("impurities", "", ""),
+        ("shapes", "", ""),
     ];
     let lines = |part: &'static str, error: &'static str| {
         lines_of(table, KEYS, move |cell| {
@@ -152,6 +155,7 @@ fn rows<'a>(
             snow::depth_m(stack),
             snow::density(stack),
             snow::impurities(stack),
+            snow::shapes(stack),
         ]
     })
 }

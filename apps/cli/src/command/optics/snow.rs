@@ -1,21 +1,43 @@
 //! The layers of snow that were asked for, and how they are told in tables.
 
+use super::cases::Share;
 use super::plot::Keys;
 use super::table::{Cell, number};
-use crate::arguments::{PackName, SearchArguments, Series, SnowArguments};
+use crate::arguments::{PackName, PolarisationName, SearchArguments, Series, SnowArguments};
 use crate::budget::Budget;
 use crate::failure::Failure;
 use snowgrain_accel::SimdLevel;
-use snowgrain_formats::laboratory::read_layers;
+use snowgrain_formats::laboratory::{check_radius, read_layers, read_scatterers};
 use snowgrain_optics::ice::radius_of_specific_surface_area;
 use snowgrain_optics::{Impurity, Load};
 use snowgrain_render::CostEstimate;
-use snowgrain_render::laboratory::{AlbedoSettings, GrainLayer, Incidence, SnowLayer, SnowStack};
+use snowgrain_render::laboratory::{
+    AlbedoSettings, GrainLayer, Incidence, Scatterers, SnowLayer, SnowStack,
+};
 
 /// Every combination of what was asked for, or the layers of the file.
-pub(super) fn stacks(arguments: &SnowArguments) -> Result<Vec<SnowStack>, Failure> {
+///
+/// # Errors
+/// A file of layers or shapes that cannot be used; shapes with polarisation that is tracked.
+pub(super) fn stacks(
+    (arguments, search): (&SnowArguments, &SearchArguments),
+) -> Result<Vec<SnowStack>, Failure> {
+    let mut stacks = Vec::new();
+    for name in &arguments.shapes {
+        let scatterers = read_scatterers(name.trim(), search.seed)?;
+        match &arguments.layers {
+            Some(path) => stacks.push(read_layers(path, &scatterers, search.seed)?),
+            None => stacks.extend(layers(arguments, &scatterers)?),
+        }
+    }
+    let tracked = search.polarisation == PolarisationName::Tracked;
+    if tracked && stacks.iter().flatten().any(|layer| layer.scatterers != Scatterers::Spheres) {
+        return Err(Failure::usage(
+            "shapes are traced with unpolarised light; leave --polarisation out, or --shapes",
+        ));
+    }
     let grounds = Series::all(&arguments.ground);
-    let over = |layers: &Vec<SnowLayer>| {
+    let over = |layers: Vec<SnowLayer>| {
         let stack = |&ground_albedo: &f64| SnowStack {
             layers: layers.clone(),
             ground_albedo,
@@ -23,10 +45,14 @@ pub(super) fn stacks(arguments: &SnowArguments) -> Result<Vec<SnowStack>, Failur
         };
         grounds.iter().map(stack).collect::<Vec<_>>()
     };
-    if let Some(path) = &arguments.layers {
-        return Ok(over(&read_layers(path)?));
-    }
-    let from_area = Series::all(&arguments.ssa).into_iter().map(radius_of_specific_surface_area);
+    Ok(stacks.into_iter().flat_map(over).collect())
+}
+
+/// Every combination of one layer.
+fn layers(
+    arguments: &SnowArguments,
+    scatterers: &Scatterers,
+) -> Result<Vec<Vec<SnowLayer>>, Failure> {
     let mut mixtures: Vec<Vec<Impurity>> = vec![Vec::new()];
     for loads in &arguments.impurity {
         let with = |mixture: &Vec<Impurity>| {
@@ -36,18 +62,30 @@ pub(super) fn stacks(arguments: &SnowArguments) -> Result<Vec<SnowStack>, Failur
         mixtures = mixtures.iter().flat_map(with).collect();
     }
     let (densities, depths) = (Series::all(&arguments.density), Series::all(&arguments.depth));
-    let mut stacks = Vec::new();
-    for radius in Series::all(&arguments.radius).into_iter().chain(from_area) {
+    let mut layers = Vec::new();
+    for radius in radii(arguments, scatterers)? {
         for &density in &densities {
             for &depth in &depths {
                 for impurities in &mixtures {
-                    let impurities = impurities.clone();
-                    stacks.extend(over(&vec![SnowLayer { radius, density, depth, impurities }]));
+                    let (scatterers, impurities) = (scatterers.clone(), impurities.clone());
+                    layers.push(vec![SnowLayer { scatterers, radius, density, depth, impurities }]);
                 }
             }
         }
     }
-    Ok(stacks)
+    Ok(layers)
+}
+
+/// Radii, and those of grains of the areas: shapes of more surface are larger than spheres of the same area.
+fn radii(arguments: &SnowArguments, scatterers: &Scatterers) -> Result<Vec<f64>, Failure> {
+    let mut radii = Series::all(&arguments.radius);
+    for area in Series::all(&arguments.ssa) {
+        let radius = radius_of_specific_surface_area(area) * scatterers.surface();
+        radii.push(
+            check_radius(radius).map_err(|reason| Failure::usage(format!("--ssa: {reason}")))?,
+        );
+    }
+    Ok(radii)
 }
 
 /// Parallel light at each zenith angle; light from all of the sky, first, where it is asked for or
@@ -114,6 +152,7 @@ pub(super) const PLOT_KEYS: Keys = &[
     ("depth_m", "depth ", " m"),
     ("ground_albedo", "ground ", ""),
     ("impurities", "", ""),
+    ("shapes", "", ""),
 ];
 
 /// A value of the only layer; what differs between layers is not one number.
@@ -147,6 +186,22 @@ pub(super) fn impurities(stack: &SnowStack) -> Cell {
     of_layer(stack, |layer| {
         Cell::Word(layer.impurities.iter().map(impurity).collect::<Vec<_>>().join(";"))
     })
+}
+
+/// What the grains are.
+pub(super) fn shapes(stack: &SnowStack) -> Cell {
+    of_layer(stack, |layer| {
+        Cell::Word(match &layer.scatterers {
+            Scatterers::Spheres => "spheres".into(),
+            Scatterers::Shapes(mix) => mix.name().to_owned(),
+        })
+    })
+}
+
+/// Sampling shapes takes all threads, and what is sampled serves the cases that follow.
+pub(super) fn share(stack: &SnowStack) -> Share {
+    let spheres = stack.layers.iter().all(|layer| layer.scatterers == Scatterers::Spheres);
+    if spheres { Share::Together } else { Share::Alone }
 }
 
 fn impurity(impurity: &Impurity) -> String {

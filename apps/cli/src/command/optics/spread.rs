@@ -9,12 +9,12 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::threads::pool;
 use snowgrain_render::laboratory::{
-    FaceSpread, GrainLayer, Incidence, SnowStack, Spread, SpreadBin, SpreadSettings, Tell,
-    grain_spread, homogeneous_spread,
+    FaceSpread, GrainLayer, Incidence, Scatterers, SnowStack, Spread, SpreadBin, SpreadSettings,
+    Tell, grain_spread, homogeneous_spread,
 };
 use snowgrain_render::measure::Estimate;
 
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 13] = [
     "method",
     "wavelength_nm",
     "radius_um",
@@ -27,6 +27,7 @@ const COLUMNS: [&str; 12] = [
     "value_stderr",
     "density_kg_m3",
     "impurities",
+    "shapes",
 ];
 
 /// Most lines of a case at one wavelength.
@@ -76,6 +77,7 @@ fn charts(table: &Table) -> Charts {
         ("density_kg_m3", "", " kg/m³"),
         ("depth_m", "depth ", " m"),
         ("impurities", "", ""),
+        ("shapes", "", ""),
     ];
     let lines = |what: &'static str, unit: f64| {
         lines_of(table, KEYS, move |cell| {
@@ -117,7 +119,7 @@ fn cases(arguments: &SpreadArguments) -> Result<Vec<Case>, Failure> {
         vec![Incidence::Sun { zenith_degrees: 0.0 }]
     };
     let mut cases = Vec::new();
-    for stack in snow::stacks(&arguments.snow)? {
+    for stack in snow::stacks((&arguments.snow, &arguments.search))? {
         for &incidence in &incidences {
             for &method in &arguments.method {
                 check(arguments, &stack, method)?;
@@ -148,6 +150,9 @@ fn check(
     }
     if stack.layers.len() != 1 || stack.ground_albedo > 0.0 {
         return Err(not_one_layer());
+    }
+    if stack.layers[0].scatterers != Scatterers::Spheres {
+        return Err(Failure::usage("spreads are of spheres, which take room; leave --shapes out"));
     }
     Ok(())
 }
@@ -206,6 +211,7 @@ fn rows(case: &Case, spread: &Spread) -> Vec<Vec<Cell>> {
             Cell::Number(value.standard_error),
             snow::density(&case.stack),
             snow::impurities(&case.stack),
+            snow::shapes(&case.stack),
         ]
     };
     figures.into_iter().map(row).collect()

@@ -14,7 +14,7 @@ use snowgrain_optics::sphere::{self, Polarisation};
 use snowgrain_optics::theory::{self, SingleScattering};
 use snowgrain_optics::{Dielectric, water};
 use snowgrain_render::laboratory::{
-    AlbedoSettings, Incidence, SnowLayer, SnowStack, Tell, WetLayer, WetSettings,
+    AlbedoSettings, Incidence, Scatterers, SnowLayer, SnowStack, Tell, WetLayer, WetSettings,
     homogeneous_albedo,
 };
 
@@ -172,6 +172,7 @@ fn larger_grains(
     }
     let stack = SnowStack {
         layers: vec![SnowLayer {
+            scatterers: Scatterers::Spheres,
             radius,
             density: filled * ICE_DENSITY,
             depth: arguments.depth,

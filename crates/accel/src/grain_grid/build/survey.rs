@@ -95,17 +95,8 @@ impl Survey {
         margin: i32,
     ) -> i32 {
         let radius = trig::cbrt(self.cubes as f64 / self.grains as f64).max(1.0);
-        let ball = 4.0 / 3.0 * std::f64::consts::PI * cube(radius);
         let density = self.grains as f64 / self.occupied_volume(grains, 4.0 * radius);
-        // Grains whose balls reach into a cube of edge s: their centres fill its parallel body.
-        let listed = |s: f64| {
-            let pi = std::f64::consts::PI;
-            density * (cube(s) + 6.0 * s * s * radius + 3.0 * pi * s * radius * radius + ball)
-        };
-        let mut side = 1.5 * radius;
-        while listed(side * 1.02) <= packing.grains_per_cell() && side < f64::from(u16::MAX) {
-            side *= 1.02;
-        }
+        let side = packing.cell_side(radius, density);
         (side as i32).clamp(1, longest_side(margin).max(1))
     }
 

@@ -25,6 +25,8 @@ pub enum SnowKindName {
     MeltFreezeCrust,
     /// Snow that has outlasted a summer.
     Firn,
+    /// Faceted crystals that are being rounded (FCxr).
+    Faceted,
     /// Depth hoar (DH).
     DepthHoar,
     /// Surface hoar (SH).
@@ -35,13 +37,14 @@ pub enum SnowKindName {
 
 impl SnowKindName {
     /// All kinds.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Fresh,
         Self::WindSlab,
         Self::Old,
         Self::Corn,
         Self::MeltFreezeCrust,
         Self::Firn,
+        Self::Faceted,
         Self::DepthHoar,
         Self::SurfaceHoar,
         Self::Graupel,
@@ -57,6 +60,7 @@ impl SnowKindName {
             Self::Corn => "corn",
             Self::MeltFreezeCrust => "melt-freeze-crust",
             Self::Firn => "firn",
+            Self::Faceted => "faceted",
             Self::DepthHoar => "depth-hoar",
             Self::SurfaceHoar => "surface-hoar",
             Self::Graupel => "graupel",
@@ -73,14 +77,15 @@ impl SnowKindName {
     #[must_use]
     pub fn radius_metres(self) -> f64 {
         match self {
-            Self::Fresh => 0.2e-3,
+            Self::Fresh | Self::Faceted => 0.2e-3,
             Self::WindSlab => 0.12e-3,
             Self::Old => 0.25e-3,
             Self::Corn => 0.7e-3,
             Self::MeltFreezeCrust | Self::Firn => 0.5e-3,
             Self::DepthHoar => 0.9e-3,
             Self::SurfaceHoar => 1e-3,
-            Self::Graupel => 1.2e-3,
+            // Of the drops that froze to a pellet, which make it white.
+            Self::Graupel => 0.1e-3,
         }
     }
 
@@ -88,8 +93,8 @@ impl SnowKindName {
     #[must_use]
     pub fn spread(self) -> f64 {
         match self {
-            Self::Fresh | Self::WindSlab | Self::SurfaceHoar => 1.4,
-            Self::Old | Self::MeltFreezeCrust | Self::DepthHoar | Self::Graupel => 1.3,
+            Self::Fresh | Self::WindSlab | Self::SurfaceHoar | Self::Graupel => 1.4,
+            Self::Old | Self::MeltFreezeCrust | Self::Faceted | Self::DepthHoar => 1.3,
             Self::Corn | Self::Firn => 1.25,
         }
     }
@@ -106,12 +111,12 @@ impl SnowKindName {
             Self::Firn => 600.0,
             Self::DepthHoar => 240.0,
             Self::SurfaceHoar => 100.0,
-            Self::Graupel => 250.0,
+            Self::Faceted | Self::Graupel => 250.0,
         }
     }
 
     /// Shapes of the grains.
-    fn shapes(self) -> Vec<ShapeTable> {
+    pub(crate) fn shapes(self) -> Vec<ShapeTable> {
         use ShapeName::{HexagonalColumn, HexagonalPlate, HexagonalPrism, Rosette, Spheroid};
         let polyhedron = |fraction, rounding| ShapeTable {
             rounding: Some(rounding),
@@ -130,6 +135,7 @@ impl SnowKindName {
             Self::Corn => vec![shape(ShapeName::Sphere, 0.5), long(Spheroid, 0.5, 1.2)],
             Self::MeltFreezeCrust => vec![long(Spheroid, 0.6, 1.3), polyhedron(0.4, 0.9)],
             Self::Firn => vec![long(Spheroid, 0.7, 1.2), polyhedron(0.3, 0.9)],
+            Self::Faceted => faceted(),
             Self::DepthHoar => vec![
                 long(HexagonalColumn, 0.4, 1.8),
                 long(HexagonalPrism, 0.3, 0.9),
@@ -138,7 +144,7 @@ impl SnowKindName {
             Self::SurfaceHoar => {
                 vec![long(HexagonalPlate, 0.8, 0.08), long(HexagonalColumn, 0.2, 4.0)]
             }
-            Self::Graupel => vec![long(Spheroid, 0.5, 1.2), polyhedron(0.5, 0.9)],
+            Self::Graupel => vec![shape(ShapeName::Sphere, 0.5), long(Spheroid, 0.5, 1.2)],
         }
     }
 
@@ -158,6 +164,19 @@ impl SnowKindName {
             table.shapes = self.shapes();
         }
     }
+}
+
+/// The grains whose light is that of natural snow (`docs/snows.md`): four polyhedra rounded by .7, so that no one
+/// of them shows, and flat and long spheroids.
+fn faceted() -> Vec<ShapeTable> {
+    let polyhedron = |seed| ShapeTable {
+        rounding: Some(0.7),
+        seed: Some(seed),
+        ..shape(ShapeName::RandomPolyhedron, 0.15)
+    };
+    let spheroid = |aspect| ShapeTable { aspect: Some(aspect), ..shape(ShapeName::Spheroid, 0.2) };
+    let polyhedra = (0..4).map(polyhedron);
+    polyhedra.chain([0.5, 1.6].map(spheroid)).collect()
 }
 
 /// A shape with the defaults of its keys.

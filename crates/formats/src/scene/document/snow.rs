@@ -14,8 +14,8 @@ pub struct SnowTable {
     /// inside of a closed mesh, or what lies under a surface or a picture of heights, of packed grains), "lattice" (a
     /// block of a crystal lattice) or "file" (grains as they are, from `file`).
     pub source: SnowSource,
-    /// Kind of snow: "fresh", "wind-slab", "old", "corn", "melt-freeze-crust", "firn", "depth-hoar", "surface-hoar" or
-    /// "graupel", which says `radius`, `spread`, `density` and `shapes` where they are not written
+    /// Kind of snow: "fresh", "wind-slab", "old", "corn", "melt-freeze-crust", "firn", "faceted", "depth-hoar",
+    /// "surface-hoar" or "graupel", which says `radius`, `spread`, `density` and `shapes` where they are not written
     /// (docs/snows.md); default none; deposit, pack, fill.
     #[serde(default)]
     pub kind: Option<SnowKindName>,

@@ -3,8 +3,8 @@
 use super::checks::Checks;
 use crate::scene::SceneError;
 use crate::scene::document::DeepName;
-use snowgrain_render::description::SceneDescription;
 use snowgrain_render::transport::deep::DeepSettings;
+use snowgrain_render::transport::medium::ProxyStart;
 
 /// Error that is allowed where none is told.
 const DEFAULT_ERROR: f64 = 0.01;
@@ -24,17 +24,15 @@ pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneErr
             None => Ok(None),
         };
     }
+    if table.deep == DeepName::Proxy {
+        return Ok(None);
+    }
     let error = table.lod_error.unwrap_or(DEFAULT_ERROR);
     let mut settings = DeepSettings::for_error(error).filter(|_| error < 1.0).ok_or_else(|| {
         let mend = format!("must be from {} to 1", DeepSettings::LEAST_ERROR);
         checks.bad("integrator.lod_error", mend)
     })?;
-    if let Some(depth) = table.deep_depth {
-        if !(0.0..=20.0).contains(&depth) {
-            return Err(checks.bad("integrator.deep_depth", "must be from 0 to 20"));
-        }
-        settings.depth = depth;
-    }
+    settings.depth = depth(checks)?.unwrap_or(settings.depth);
     settings.after_grains = table.deep_after_grains.unwrap_or(settings.after_grains);
     settings.learning_paths = table.learning_paths.unwrap_or(settings.learning_paths);
     if !(1024..=1_000_000_000).contains(&settings.learning_paths) {
@@ -44,24 +42,35 @@ pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneErr
     Ok(Some(settings))
 }
 
-/// Indices of grains, relative to what is between them, of which the scale of the learnt field is known: ice in air.
-const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
-
-/// Refuses to learn of grains that the scale of the learnt field is not known of: those with shapes (by the scale of spheres
-/// plates came out 1.8 % too dark), and those of other substances or in water, whose error was not measured.
-pub(super) fn refuse_unmeasured(
-    checks: &Checks<'_>,
-    scene: &SceneDescription,
-) -> Result<(), SceneError> {
-    if scene.deep.is_none() {
-        return Ok(());
+/// The depth that is told.
+fn depth(checks: &Checks<'_>) -> Result<Option<f64>, SceneError> {
+    let depth = checks.document().integrator.deep_depth;
+    if depth.is_some_and(|depth| !(0.0..=20.0).contains(&depth)) {
+        return Err(checks.bad("integrator.deep_depth", "must be from 0 to 20"));
     }
-    let what = if scene.has_shapes() {
-        "is for spheres alone so far, and some grains have shapes"
-    } else if !KNOWN_INDICES.contains(&scene.ice.eta()) {
-        "is for ice in air alone so far (a relative index from 1.29 to 1.34)"
-    } else {
-        return Ok(());
-    };
-    Err(checks.bad("integrator.deep", format!("{what}; use \"exact\" (--lod-error 0)")))
+    Ok(depth)
 }
+
+/// Where light goes on as the proxy; `None` where it does not.
+pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneError> {
+    let table = &checks.document().integrator;
+    if table.deep != DeepName::Proxy {
+        return Ok(None);
+    }
+    let learnt = [
+        ("integrator.lod_error", table.lod_error.is_some()),
+        ("integrator.learning_paths", table.learning_paths.is_some()),
+    ];
+    if let Some((key, _)) = learnt.iter().find(|(_, given)| *given) {
+        return Err(checks.misplaced(key, "needs integrator.deep = \"learnt\""));
+    }
+    let known = DeepSettings::for_error(DEFAULT_ERROR);
+    let [after_grains, deep] = known.map_or([0.0; 2], |s| [f64::from(s.after_grains), s.depth]);
+    Ok(Some(ProxyStart {
+        after_grains: table.deep_after_grains.unwrap_or(after_grains as u32),
+        depth: depth(checks)?.unwrap_or(deep),
+    }))
+}
+
+/// Indices of grains, relative to what is between them, of which the calibration of the proxy is known: ice in air.
+pub(super) const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;

@@ -4,7 +4,9 @@ use crate::{
     Amount, DepositRule, DepositSettings, LatticeKind, LatticeSettings, PackSettings, Radii,
     Snowfall, lattice_grains,
 };
+use core::f64::consts::PI;
 use snowgrain_geometry::Quantisation;
+use snowgrain_math::{DVec3, trig};
 
 const R: f64 = 0.5e-3;
 
@@ -114,4 +116,68 @@ fn nothing_is_measured_of_no_grains() {
         let found = Structure::of(&none, extent, &|_| false);
         assert_eq!((found.grains, found.solid_fraction), (0, 0.0));
     }
+}
+
+/// Upright cubes in a cubic lattice: all that is measured is known.
+#[test]
+fn cubes_in_a_lattice_have_their_own_volume_surface_and_chords() {
+    use crate::FieldShapes;
+    use snowgrain_geometry::{GrainShape, Shape, ShapeKind};
+    let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
+    let (kind, counts, spacing) = (LatticeKind::Sc, [40; 3], Some(2.5 * R));
+    let settings = LatticeSettings { kind, counts, radius: R, spacing, density: None };
+    let field = lattice_grains(&settings, &quantisation).unwrap();
+    let cube = Shape::new(ShapeKind::Cube { rounding: 0.0 }).unwrap();
+    let of_grains = vec![GrainShape::upright(0); field.len()];
+    let field = field.with_shapes(FieldShapes { prototypes: [cube].into(), of_grains });
+    let found = Structure::of(&field, Extent::Block, &|_| false);
+    let (edge, step) = (trig::cbrt(4.0 / 3.0 * PI) * R, 2.5 * R);
+    let close = |found: f64, expected: f64, allowed: f64| {
+        assert!((found / expected - 1.0).abs() < allowed, "{found} {expected}");
+    };
+    let cell = step * step * step;
+    // The region holds no whole number of cells.
+    close(found.solid_fraction, edge * edge * edge / cell, 0.04);
+    close(found.surface_per_volume, 6.0 * edge * edge / cell, 0.04);
+    for directed in &found.along {
+        close(directed.mean_ice_chord, edge, 0.02);
+        // Every chord in air along an axis that meets cubes is the gap.
+        let (mut sum, mut all) = (0.0, 0.0);
+        for (at, density) in &directed.air_chords {
+            (sum, all) = (sum + at * density, all + density);
+        }
+        let class = directed.air_chords[1].0 - directed.air_chords[0].0;
+        assert!((sum / all - (step - edge)).abs() <= 0.5 * class, "{}", sum / all);
+        // Both ends of a shift of less than a gap lie in one cube.
+        let (shift, both) = directed.correlation[2];
+        close(both, found.solid_fraction * (1.0 - shift / edge), 0.03);
+    }
+    assert_eq!(found.connections.overlaps_per_grain, 0.0);
+    assert!(found.connections.connected_fraction < 1e-3);
+}
+
+/// The same snow, once with spheres and once with spheres traced as shapes that are nearly spheres, has the same
+/// structure.
+#[test]
+fn spheroids_that_are_nearly_spheres_are_measured_as_spheres() {
+    use crate::FieldShapes;
+    use snowgrain_geometry::{GrainShape, Shape, ShapeKind};
+    let (spheres, period) = fallen(DepositRule::Ray, 60.0);
+    let round = Shape::new(ShapeKind::Spheroid { aspect: 1.0001 }).unwrap();
+    let of_grains = vec![GrainShape::upright(0); spheres.len()];
+    let shaped = spheres.clone().with_shapes(FieldShapes { prototypes: [round].into(), of_grains });
+    let [one, other] =
+        [spheres, shaped].map(|field| Structure::of(&field, Extent::Periodic(period), &|_| false));
+    let close = |a: f64, b: f64, allowed: f64| assert!((a / b - 1.0).abs() < allowed, "{a} {b}");
+    close(other.solid_fraction, one.solid_fraction, 1e-3);
+    close(other.surface_per_volume, one.surface_per_volume, 0.02);
+    close(other.mean_air_chord, one.mean_air_chord, 5e-3);
+    let (a, b) = (other.connections, one.connections);
+    close(
+        a.overlaps_per_grain + a.contacts_per_grain,
+        b.overlaps_per_grain + b.contacts_per_grain,
+        0.02,
+    );
+    close(a.mean_overlap_depth, b.mean_overlap_depth, 0.02);
+    close(a.connected_fraction, b.connected_fraction, 0.01);
 }

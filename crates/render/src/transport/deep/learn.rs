@@ -1,7 +1,9 @@
 //! Learning what paths bring.
 
-use super::field::{Cell, OutcomeField, neighbours};
-use super::outcome::Outcome;
+use super::field::OutcomeField;
+use super::levels::Cell;
+use super::samples::Samples;
+use super::scale::Scale;
 use super::{Deep, DeepSettings};
 use crate::camera::Camera;
 use crate::light::Lights;
@@ -10,12 +12,10 @@ use crate::transport::seek::{LightSearch, PathState, Seeker};
 use crate::transport::{Contribution, trace_with};
 use crate::world::World;
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{GrainVisit, STRATA, SimdLevel};
+use snowgrain_geometry::Shape;
 use snowgrain_math::sampler::{PathKey, numbers};
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 
 /// Paths of one task.
 const TASK: u64 = 1 << 13;
@@ -25,15 +25,11 @@ const STREAM: u64 = 0xdee9_1ea4_7000_0000;
 const ARRIVALS_PER_SAMPLE: f32 = 16.0;
 /// What tells the random numbers that choose them.
 const CHOICE: u32 = 0xc401_ce00;
-/// Sums are whole numbers of so many parts of the unit of light, so that they do not depend on their order.
-/// One of them holds 2^31 units: more than a path in millions brings.
-const PARTS: f64 = (1u64 << 32) as f64;
 
 /// An arrival deep in the snow of a path that goes on.
 #[derive(Clone, Copy)]
 struct Vertex {
-    /// The coarse cell where it arrived, and the one where it counts.
-    arrived: Cell,
+    /// The coarse cell where it counts.
     cell: Cell,
     event: u32,
     throughput: [f32; 3],
@@ -49,19 +45,18 @@ pub(crate) struct Learner<'a> {
     vertices: Vec<Vec<Vertex>>,
     /// What a lane found, while its path ends.
     order: Vec<usize>,
-    sums: Sums,
+    samples: Samples,
 }
 
 impl<'a> Learner<'a> {
     fn new(field: &'a OutcomeField, quantum: f64) -> Self {
         let strata = if field.has_strata { STRATA } else { 0 };
-        let scale = f64::from(field.lights.greatest_radiance()).max(f64::MIN_POSITIVE);
         Self {
             field,
             quantum,
             vertices: vec![Vec::new(); LANES],
             order: Vec::new(),
-            sums: Sums { scale, strata, ..Sums::default() },
+            samples: Samples::new(field.slots, strata),
         }
     }
 
@@ -83,7 +78,6 @@ impl<'a> Learner<'a> {
             return;
         }
         self.vertices[visit.lane].push(Vertex {
-            arrived: self.field.interior.coarse(visit.center.cell),
             cell: self.field.place(visit).floor().as_ivec3().to_array(),
             event: visit.event,
             throughput,
@@ -103,7 +97,8 @@ impl<'a> Learner<'a> {
             while let Some(light) = rest.next_if(|light| light.event >= vertex.event) {
                 running[light.slot].add(light, self.field.unit);
             }
-            self.sums.add(vertex, &running, self.field.unit);
+            let unit = self.field.unit;
+            self.samples.push(vertex.cell, running.iter().map(|light| light.since(vertex, unit)));
         }
         self.vertices[lane].clear();
     }
@@ -154,114 +149,22 @@ impl Running {
     }
 }
 
-/// Sums of what paths brought, by coarse cell and slot.
-#[derive(Clone, Default)]
-pub(super) struct Sums {
-    /// Unit of light.
-    scale: f64,
-    /// Strata that are told apart.
-    strata: usize,
-    /// Arrivals that count there, and of each slot in turn whole numbers: light of three channels, three powers,
-    /// lengths in strata.
-    cells: BTreeMap<Cell, (u64, Vec<i128>)>,
-    /// Of the cells where they arrived.
-    arrivals: BTreeMap<Cell, u64>,
-}
-
-impl Sums {
-    fn add(&mut self, vertex: &Vertex, running: &[Running], unit: f64) {
-        let width = self.width();
-        *self.arrivals.entry(vertex.arrived).or_default() += 1;
-        let (count, sums) =
-            self.cells.entry(vertex.cell).or_insert_with(|| (0, vec![0; running.len() * width]));
-        *count += 1;
-        let parts = PARTS / self.scale;
-        for (sums, running) in sums.chunks_exact_mut(width).zip(running) {
-            let (weight, powers, strata) = running.since(vertex, unit);
-            let values = weight.into_iter().chain(powers).chain(strata);
-            let parts_of = |value: f64| i128::from((value * parts).round() as i64);
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += parts_of(value));
-        }
-    }
-
-    fn merged(mut self, other: Self) -> Self {
-        if self.cells.len() < other.cells.len() {
-            return other.merged(self);
-        }
-        for (cell, count) in other.arrivals {
-            *self.arrivals.entry(cell).or_default() += count;
-        }
-        for (cell, (count, sums)) in other.cells {
-            match self.cells.entry(cell) {
-                Entry::Vacant(free) => {
-                    free.insert((count, sums));
-                }
-                Entry::Occupied(mut mine) => {
-                    let (my_count, mine) = mine.get_mut();
-                    *my_count += count;
-                    for (mine, theirs) in mine.iter_mut().zip(&sums) {
-                        *mine += theirs;
-                    }
-                }
-            }
-        }
-        self
-    }
-
-    /// How often paths arrived in a coarse cell.
-    pub(super) fn arrivals(&self, cell: Cell) -> u64 {
-        self.arrivals.get(&cell).copied().unwrap_or(0)
-    }
-
-    /// The means of all cells, slot by slot; of those with few arrivals the means over their neighbours, too.
-    pub(super) fn smoothed(&self, few: u64) -> FxHashMap<Cell, Vec<Outcome>> {
-        let smoothed = self.cells.iter().map(|(&cell, (count, sums))| {
-            if *count >= few {
-                return (cell, self.means(*count, sums));
-            }
-            let (mut all, mut sum) = (0, vec![0; sums.len()]);
-            for (count, sums) in neighbours(cell).filter_map(|near| self.cells.get(&near)) {
-                all += count;
-                sum.iter_mut().zip(sums).for_each(|(sum, more)| *sum += more);
-            }
-            (cell, self.means(all, &sum))
-        });
-        smoothed.collect()
-    }
-
-    fn width(&self) -> usize {
-        6 + self.strata
-    }
-
-    fn means(&self, count: u64, sums: &[i128]) -> Vec<Outcome> {
-        let per = self.scale / (PARTS * count as f64);
-        let means = sums.chunks_exact(self.width()).map(|sums| {
-            let mean = |index: usize| sums.get(index).map_or(0.0, |&sum| (sum as f64 * per) as f32);
-            Outcome {
-                weight: std::array::from_fn(mean),
-                lengths: std::array::from_fn(|power| mean(3 + power)),
-                in_strata: std::array::from_fn(|stratum| mean(6 + stratum)),
-            }
-        });
-        means.collect()
-    }
-}
-
 impl OutcomeField {
-    /// Learns by paths of the camera over a picture of `size` pixels, on the threads of the current pool,
+    /// Learns of light in a world, whose grains have these shapes where they are not all spheres, by paths of the camera over a picture of `size` pixels, on the threads of the current pool,
     /// which do not show in the result; `None` where no snow is deep.
     #[must_use]
     pub fn learn(
-        (world, camera): (&World, &Camera),
+        (world, prototypes, camera): (&World, &[Shape], &Camera),
         (lights, search): (&Lights, Option<&LightSearch>),
         settings: &DeepSettings,
         (size, seed): ([u32; 2], u64),
         level: SimdLevel,
     ) -> Option<Self> {
-        let field = Self::unlearnt(world, lights, settings)?;
+        let scale = Scale::of(world, prototypes, level)?;
+        let field = Self::unlearnt(world, lights, settings, scale)?;
         let paths = settings.learning_paths;
         let size = size.map(f64::from);
-        let sums = (0..paths.div_ceil(TASK))
+        let parts: Vec<Samples> = (0..paths.div_ceil(TASK))
             .into_par_iter()
             .map(|task| {
                 let range = task * TASK..((task + 1) * TASK).min(paths);
@@ -275,11 +178,14 @@ impl OutcomeField {
                     &mut paths,
                 );
                 match deep {
-                    Some(Deep::Learn(learner)) => learner.sums,
-                    _ => Sums::default(),
+                    Some(Deep::Learn(learner)) => learner.samples,
+                    _ => Samples::default(),
                 }
             })
-            .reduce(Sums::default, Sums::merged);
-        Some(field.learnt(&sums))
+            .collect();
+        let strata = if field.has_strata { STRATA } else { 0 };
+        let mut samples = Samples::new(field.slots, strata);
+        parts.into_iter().for_each(|part| samples.append(part));
+        field.learnt(&samples)
     }
 }

@@ -16,11 +16,18 @@
 
 mod field;
 mod learn;
+mod levels;
 mod outcome;
+mod samples;
+mod scale;
 
 pub use field::OutcomeField;
 pub(crate) use learn::Learner;
+pub(super) use scale::Scale;
 
+use crate::light::Lights;
+
+use super::medium::ProxyInDepth;
 use super::{Contribution, PathEnd, PathResult};
 use snowgrain_accel::{DeepAnswer, DeepWatch};
 
@@ -60,30 +67,42 @@ impl DeepSettings {
 pub(crate) enum Deep<'a> {
     /// Ends paths there.
     HandOver(&'a OutcomeField),
+    /// Lets them go on among spheres that are met at random.
+    Proxy(&'a ProxyInDepth),
     /// Notes them.
     Learn(Box<Learner<'a>>),
 }
 
 impl<'a> Deep<'a> {
-    fn field(&self) -> &OutcomeField {
+    /// The lights that paths find at their end, where those are told by what was found.
+    pub(super) fn lights(&self) -> Option<&Lights> {
         match self {
-            Self::HandOver(field) => field,
-            Self::Learn(learner) => learner.field,
+            Self::HandOver(field) => Some(&field.lights),
+            Self::Learn(learner) => Some(&learner.field.lights),
+            Self::Proxy(_) => None,
         }
     }
 
     /// What a flight is to do.
     pub(super) fn watch(&self) -> DeepWatch<'a> {
-        let (field, answer) = match self {
-            Self::HandOver(field) => (*field, DeepAnswer::Stop),
-            Self::Learn(learner) => (learner.field, DeepAnswer::Note),
+        let of_field = |field: &'a OutcomeField, answer| DeepWatch {
+            interior: &field.interior,
+            after_grains: field.after_grains,
+            answer,
         };
-        DeepWatch { interior: &field.interior, after_grains: field.after_grains, answer }
+        match self {
+            Self::HandOver(field) => of_field(field, DeepAnswer::Stop),
+            Self::Learn(learner) => of_field(learner.field, DeepAnswer::Note),
+            Self::Proxy(proxy) => DeepWatch {
+                interior: &proxy.interior,
+                after_grains: proxy.after_grains,
+                answer: DeepAnswer::Stop,
+            },
+        }
     }
 
     /// The light of a path that has ended, where none is looked for on the way.
-    pub(super) fn at_end(&self, path: &PathResult, found: &mut Vec<Contribution>) {
-        let lights = &self.field().lights;
+    pub(super) fn at_end(lights: &Lights, path: &PathResult, found: &mut Vec<Contribution>) {
         let mut radiances = vec![[0.0; 3]; lights.slots().len()];
         match path.end {
             PathEnd::Escaped(_) if path.first_hit.is_none() => {}

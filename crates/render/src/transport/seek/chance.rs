@@ -135,6 +135,7 @@ impl Seeker<'_> {
                     Some(chords) => Chance::BesidePairs(chords),
                     // Chance finds what a face mirrors as often as it finds the face.
                     None if first && shaped => Chance::All(&search.lights),
+                    None if is_in_spheres(trail, order) => Chance::All(&search.wide_in_air),
                     None => Chance::All(&search.wide),
                 }
             }
@@ -146,6 +147,14 @@ impl Seeker<'_> {
             }
         }
     }
+}
+
+/// Whether all grains up to this order from the camera are spheres that the path met in air, some of whose orders are
+/// solved.
+fn is_in_spheres(trail: &Trail, order: u32) -> bool {
+    let is_known =
+        if order == 1 { trail.solved_orders.is_some() } else { trail.second_grain.is_some() };
+    is_known && trail.vertex == Vertex::Camera && !trail.through_ice
 }
 
 /// By how many chords a path left the first grain, or the second, where that way is solved.

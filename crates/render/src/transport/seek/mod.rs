@@ -13,7 +13,8 @@
 //! - so is the second, by Newton's steps through both (`second_grain`);
 //! - where that is not known (crystals in one of the two, ways from grain to grain through ice, many reflections
 //!   inside), and at the first two grains after a surface, the sun is met by chance, but it is [`WIDENED_DEGREES`]
-//!   wide, which moves an image of it by less than a tenth of a grain's radius and leaves its light as it is.
+//!   wide ([`WIDENED_IN_AIR_DEGREES`] after many reflections in spheres), which moves an image of it by less than a
+//!   tenth of a grain's radius and leaves the mean of its light over all directions of the sun as it is.
 //!
 //! Lights that are met by chance as well share the light with it by the balance heuristic (Veach and
 //! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
@@ -51,6 +52,9 @@ use snowgrain_optics::{Connector, Dielectric, ScatterTable};
 
 /// Angle across suns where their images after one or two grains are not solved but met by chance, degrees.
 pub const WIDENED_DEGREES: f64 = 30.0;
+/// The same after more reflections in spheres in air than are solved: so rare that the noise of a narrower sun does
+/// not show, and so bright in narrow rainbows that lone grains show a wide one.
+pub const WIDENED_IN_AIR_DEGREES: f64 = 15.0;
 
 /// Orders of the first grain that are solved; higher ones (.3 % of its light) are met by chance.
 const SOLVED_ORDERS: u32 = 3;
@@ -91,8 +95,9 @@ pub struct LightSearch {
     /// the indices are those of all lights.
     early: Lights,
     late: Lights,
-    /// Suns as wide as [`WIDENED_DEGREES`].
+    /// Suns as wide as [`WIDENED_DEGREES`], and as [`WIDENED_IN_AIR_DEGREES`].
     wide: Lights,
+    wide_in_air: Lights,
     medium: Dielectric,
     from_air: ScatterTable,
     /// Of each prototype that grains have, in all orientations alike.
@@ -138,6 +143,7 @@ impl LightSearch {
             early: lights.select(|light| is_sought[light] && roles[light] != LightRole::Sun),
             late: lights.select(|light| is_sought[light]),
             wide: lights.widened(WIDENED_DEGREES),
+            wide_in_air: lights.widened(WIDENED_IN_AIR_DEGREES),
             lights: lights.clone(),
             roles,
             is_sought,

@@ -13,11 +13,13 @@
 //!
 //! They are found by Newton's steps from where a path began that came to B by way of A after p chords. Its place x is
 //! anywhere in a window W around it (as in `first_grain`), it took the p chords with the probability E_p(x), and it
-//! is searched with a probability that falls where its own ray leaves far from the sun ([`PairSearch::probability`]).
-//! So a place that the steps lead to is divided by these two, by the area of W, by which the chance goes that W holds
-//! it, and by P, the part of W whose rays meet first A and then B, and from where the steps lead to the same place: in
-//! the mean over paths, what stands for it is f L / (g J). The inverse of P is on average the number of random places of
-//! W until one fulfils that (Zeltner, Georgiev and Jakob 2020, section 4.2), or until two do, over two.
+//! is searched with a probability s(x) that falls where its own ray leaves far from the sun
+//! ([`PairSearch::probability`]). So a place that the steps lead to is divided by the area of W, by which the chance
+//! goes that W holds it, and by P, the mean over W of E_p s where rays meet first A and then B and from where the steps
+//! lead to the same place, else of 0: in the mean over paths, what stands for it is f L / (g J). The inverse of P is on
+//! average the number of random places of W until one is kept, with the probability E_p s, and fulfils that (Zeltner,
+//! Georgiev and Jakob 2020, section 4.2), or until k do, over k. To divide by E_p s where the path began instead would
+//! let the few that find a place from afar weigh most.
 //!
 //! Where an image of the sun is large (near caustics J vanishes), paths meet it by chance more often than the search
 //! finds it. Both share its light by the balance heuristic, with the number of either that would be found at x: g J
@@ -34,28 +36,37 @@ use super::{
     scaled, search_key,
 };
 use crate::transport::Contribution;
+use core::f64::consts::PI;
 use snowgrain_accel::{GrainVisit, GridPosition, Probe, ProbeAnswer, STRATA};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
 use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
 
-/// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light,
-/// and nearly all of its noise, comes by one chord. It is one in twice as many where a window covers as much of the first
-/// grain as it may: searches take longer there, and succeed more often.
-const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [8.0, 1.0, 16.0, 64.0];
+/// One path in so many looks, for all, for images of suns by so many chords of the second grain, where a window covers
+/// little of the first grain and where it covers as much as it may: most of the light comes by one chord, the brightest
+/// images by two, near the rainbow. Small windows hold few images, which are bright then; of the many in large ones
+/// it is one chord that makes the noise, and searches take longer, and succeed more often.
+const PATHS_PER_SEARCH: [[f64; 2]; SOLVED_ORDERS as usize + 1] =
+    [[4.0, 16.0], [1.0, 4.0], [1.0, 32.0], [8.0, 128.0]];
 /// What tells the random numbers of such a search, and of its trials, from others.
 const PAIR: u32 = 0x2b0d_1e55;
 const TRIAL: u32 = 0x5ec0_7214;
 /// Random event of the place on a sun; those before are of the searches.
 const SUN: u32 = SOLVED_ORDERS + 1;
-/// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians: as a rule.
-const TURNED: f64 = 7.0;
+/// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians, as a rule: by
+/// chords of the second.
+const TURNED: [f64; SOLVED_ORDERS as usize + 1] = [7.0, 7.0, 4.0, 7.0];
 /// Edge of a window in radii of the first grain, where a pixel is not smaller: about as large as the part of the
 /// grain behind which the second one is seen.
 const WINDOW: f64 = 0.5;
-/// Random places of a window that must lead to a solution: their number over that of all that were tried is known
-/// well enough for its inverse to add a half to the variance, where one alone doubles it.
-const SUCCESSES: u32 = 2;
+/// Part of the paths that look for a sun however far from it their rays leave: what they find takes no more than so many
+/// times as long to weigh.
+const LEAST_PROBABILITY: f64 = 1.0 / 64.0;
+/// Random places of a window that must lead to a solution: one of k adds 1/k to the variance, so k grows with the
+/// brightness of an image, from one at this brightness in one search (that of white ground across the sun's
+/// light is 1) to the most.
+const BRIGHTNESS_PER_SUCCESS: f64 = 0.1;
+const MOST_SUCCESSES: f64 = 8.0;
 /// P as it is taken to be where a search and chance share light; how well it fits shows in the noise only.
 const TYPICAL_PART: f64 = 0.25;
 /// A search goes no farther from where it begins than so many edges of its window.
@@ -91,20 +102,16 @@ pub(super) struct SecondGrain {
 struct PairSearch {
     pencil: Pencil,
     pair: SpherePair,
-    /// Edge of a window.
+    /// Edge of a window, pixels and radii of the first grain.
     edge: f64,
-    /// One path in so many looks for it.
-    paths: f64,
-    /// Angles by which neighbouring rays of a window leave apart: 1 less the cosine.
-    spread: f64,
+    edge_radii: f64,
 }
 
 /// Where a search begins.
 struct Begins {
     image: [f64; 2],
     window: Window,
-    /// That a path that went through this place does so by its chords in the first grain, and is searched.
-    probability: f64,
+    sun: Sun,
     key: PathKey,
 }
 
@@ -114,9 +121,12 @@ pub(super) struct PairSolution {
     /// The first grain as it is stored.
     first: (GridPosition, f32),
     window: Window,
-    /// Direction of the sun.
+    /// Somewhere on the sun, and the place on it.
+    towards: DVec3,
     sun: DVec3,
     path: PairPath,
+    /// Random places that must lead to it.
+    successes: u32,
     key: PathKey,
 }
 
@@ -142,17 +152,32 @@ impl PairSearch {
         self.pair.solve(&self.pencil, (start, REACH * self.edge), sun)
     }
 
-    /// With which a path whose ray passes so looks for a sun in this direction: more rarely where no image of it is
-    /// to be expected near.
+    /// The same by so many chords of the second grain.
+    fn by_chords(mut self, order: u32) -> Self {
+        self.pair.visits[1].order = order;
+        self
+    }
+
+    /// One path in so many looks for it.
+    fn paths(&self) -> f64 {
+        let [least, most] = PATHS_PER_SEARCH[self.pair.visits[1].order as usize];
+        let covers = self.edge_radii * self.edge_radii / (WINDOW * WINDOW);
+        least + (most - least) * covers * covers
+    }
+
+    /// Part of these paths that look for a sun in this direction where their rays pass so: fewer where no image of it
+    /// is to be expected near.
     fn probability(&self, began: &[Passed; 2], sun: DVec3) -> f64 {
-        let apart = 1.0 - began[1].direction.dot(sun);
-        let near = (self.spread / apart.max(self.spread)).min(1.0);
-        near * near / self.paths
+        let turned = TURNED[self.pair.visits[1].order as usize] * self.edge_radii;
+        // Less the cosine.
+        let spread = 0.5 * turned * turned;
+        let near = spread / (1.0 - began[1].direction.dot(sun)).max(spread);
+        (near * near).max(LEAST_PROBABILITY)
     }
 
     /// Part that a search for a sun of this solid angle (sr) has of the light by this way, beside chance.
     fn share(&self, path: &PairPath, sun: f64) -> f64 {
-        let per_path = self.edge * self.edge * TYPICAL_PART / self.paths;
+        let per_path = self.edge * self.edge * TYPICAL_PART / self.paths();
         let (energy, _) = self.pair.part(1, &path.passed[1]);
         let found = path.solid_angle() / sun * per_path;
         found / (found + energy)
@@ -183,40 +208,32 @@ impl Seeker<'_> {
         trail.second_grain = Some(second);
         let key = search_key(state.key);
         let key = PathKey { lo: key.lo ^ PAIR, ..key };
+        let search = self.pair_search(&view, (&first, &second));
+        let Some(between) = search.pair.pass_first(&search.pencil, view.image) else { return };
         for order in 0..=second.most {
+            let search = search.by_chords(order);
             let [x, y, chosen] = numbers(key, order).map(f64::from);
-            // None is worth a search then, whichever way it leaves.
-            if chosen * PATHS_PER_SEARCH[order as usize] >= 1.0 {
+            let chosen = chosen * search.paths();
+            if chosen >= 1.0 {
                 continue;
             }
-            let search = self.pair_search(&view, (&first, &second), order);
-            let Some(began) = search.pair.pass(&search.pencil, view.image) else { continue };
+            let Some(began) = search.pair.pass_second(&between) else { continue };
             let window = Window::around(view.image, search.edge, [x, y]);
-            for &Sun { light, towards } in &self.search.suns {
-                let probability = search.probability(&began, towards);
-                if chosen >= probability {
+            for &sun in &self.search.suns {
+                if chosen >= search.probability(&began, sun.towards) {
                     continue;
                 }
                 // Each light and order has random numbers of its own.
-                let salt = (light as u32).wrapping_mul(SOLVED_ORDERS + 1) + order;
-                let begins = Begins {
-                    image: view.image,
-                    window,
-                    probability: search.pair.part(0, &began[0]).0 * probability,
-                    key: PathKey { lo: key.lo.wrapping_add(salt), ..key },
-                };
-                self.towards_sun_by_pair((visit, &first), (&search, &begins), light, state);
+                let salt = (sun.light as u32).wrapping_mul(SOLVED_ORDERS + 1) + order;
+                let key = PathKey { lo: key.lo.wrapping_add(salt), ..key };
+                let begins = Begins { image: view.image, window, sun, key };
+                self.towards_sun_by_pair((visit, &first), (&search, &begins), state);
             }
         }
     }
 
-    /// What is looked for by some chords of the second grain.
-    fn pair_search(
-        &self,
-        view: &View,
-        (first, second): (&FirstGrain, &SecondGrain),
-        order: u32,
-    ) -> PairSearch {
+    /// What is looked for, by no chord of the second grain.
+    fn pair_search(&self, view: &View, (first, second): (&FirstGrain, &SecondGrain)) -> PairSearch {
         let grid = &self.world.grid;
         let sphere = |center: GridPosition, radius: f32, order: u32| SphereVisit {
             center: grid.world(center),
@@ -224,17 +241,14 @@ impl Seeker<'_> {
             order,
         };
         let near = sphere(first.center, first.radius, second.chords_before);
-        let far = sphere(second.center, second.radius, order);
+        let far = sphere(second.center, second.radius, 0);
         let radius = near.radius / self.camera.pixel_footprint(self.camera.depth(near.center));
         let edge = self.window_edge(near.center, WINDOW * near.radius);
-        let covers = edge / (WINDOW * radius);
-        let turned = TURNED * edge / radius;
         PairSearch {
             pencil: self.camera.pencil(view.lens),
             pair: SpherePair { medium: self.search.medium, visits: [near, far] },
             edge,
-            paths: PATHS_PER_SEARCH[order as usize] * (1.0 + covers),
-            spread: 0.5 * turned * turned,
+            edge_radii: edge / radius,
         }
     }
 
@@ -243,10 +257,9 @@ impl Seeker<'_> {
         &mut self,
         (visit, first): (&GrainVisit, &FirstGrain),
         (search, begins): (&PairSearch, &Begins),
-        light: usize,
         state: &PathState,
     ) {
-        let lights = &self.search.lights;
+        let (lights, Sun { light, towards }) = (&self.search.lights, begins.sun);
         let random = numbers(begins.key, SUN).map(f64::from);
         let from = search.pair.visits[1].center;
         let Some(sample) = lights.sample_light(light, from, random) else { return };
@@ -258,7 +271,9 @@ impl Seeker<'_> {
             [0, 1].map(|sphere: usize| search.pair.part(sphere, &path.passed[sphere]));
         let shared = energy_near * energy_far * search.share(&path, lights.solid_angle(light));
         let density = path.solid_angle() * search.edge * search.edge * sample.pdf;
-        let weight = shared / (density * begins.probability);
+        let weight = shared * search.paths() / density;
+        // White ground would send back 1/pi of the light of a sun of 1/pdf sr.
+        let brightness = PI * weight * sample.pdf;
         let mut ice_in_strata = [0.0; STRATA];
         for (stratum, length) in [(first.stratum, length_near), (visit.stratum, length_far)] {
             if let Some(stratum) = usize::from(stratum).checked_sub(1) {
@@ -277,8 +292,10 @@ impl Seeker<'_> {
             search: *search,
             first: (first.center, first.radius),
             window: begins.window,
+            towards,
             sun: sample.direction,
             path,
+            successes: (brightness / BRIGHTNESS_PER_SUCCESS).clamp(1.0, MOST_SUCCESSES) as u32,
             key: PathKey { lo: begins.key.lo ^ TRIAL, ..begins.key },
         };
         let towards = (sample.direction, sample.distance, None);
@@ -294,7 +311,7 @@ impl Seeker<'_> {
         else {
             return 1.0;
         };
-        let search = self.pair_search(view, (first, second), order);
+        let search = self.pair_search(view, (first, second)).by_chords(order);
         let path = search.pair.follow(&search.pencil, view.image);
         // A ray that in single precision only just meets a grain is found by chance alone.
         path.map_or(1.0, |path| 1.0 - search.share(&path, self.search.lights.solid_angle(light)))
@@ -332,18 +349,19 @@ impl Seeker<'_> {
         while !open.is_empty() {
             let mut ways = Vec::new();
             for trials in &mut open {
-                for _ in trials.successes..SUCCESSES {
+                for _ in trials.successes..trials.solution.successes {
                     ways.push((trials.solution, trials.next_start()));
                 }
             }
             let mut is_open = self.are_open(&ways).into_iter();
             open.retain_mut(|trials| {
-                let tried = (trials.successes..SUCCESSES).len();
+                let wanted = trials.solution.successes;
+                let tried = (trials.successes..wanted).len();
                 trials.successes += is_open.by_ref().take(tried).map(u32::from).sum::<u32>();
-                if trials.successes == SUCCESSES {
-                    weights[trials.index] = trials.count as f32 / SUCCESSES as f32;
+                if trials.successes == wanted {
+                    weights[trials.index] = trials.count as f32 / wanted as f32;
                 }
-                trials.successes < SUCCESSES
+                trials.successes < wanted
             });
         }
     }
@@ -381,21 +399,29 @@ impl Seeker<'_> {
 }
 
 impl Trials<'_> {
-    /// The next random place of the window from which the search leads to the solution, and how its ray passes the
-    /// first grain.
+    /// The next random place of the window that is kept and from which the search leads to the solution, and how its
+    /// ray passes the first grain.
     fn next_start(&mut self) -> ([f64; 2], Passed) {
-        let PairSolution { search, window, sun, path, key, .. } = self.solution;
+        let PairSolution { search, window, towards, sun, path, key, .. } = self.solution;
         loop {
-            let [x, y, _] = numbers(*key, self.count).map(f64::from);
+            let [x, y, chosen] = numbers(*key, self.count).map(f64::from);
             self.count += 1;
             let start = window.at([x, y]);
-            let Some([passed, _]) = search.pair.pass(&search.pencil, start) else { continue };
+            let Some(between) = search.pair.pass_first(&search.pencil, start) else { continue };
+            let (energy, _) = search.pair.part(0, &between.passed);
+            if chosen >= energy {
+                continue;
+            }
+            let Some(began) = search.pair.pass_second(&between) else { continue };
+            if chosen >= energy * search.probability(&began, *towards) {
+                continue;
+            }
             let is_it = search.solve(start, *sun).is_some_and(|found| {
                 let apart = [0, 1].map(|axis: usize| (found.at[axis] - path.at[axis]).abs());
                 apart[0].max(apart[1]) < SAME * search.edge
             });
             if is_it {
-                return (start, passed);
+                return (start, between.passed);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! `snowgrain optics phase --shape`.
+//! `snowgrain optics phase --shape` and `--shapes`.
 
 use super::super::plot;
 use super::super::table::{Cell, Table};
@@ -7,20 +7,22 @@ use crate::arguments::PhaseArguments;
 use crate::failure::Failure;
 use crate::threads;
 use snowgrain_accel::SimdLevel;
+use snowgrain_formats::laboratory::read_scatterers;
 use snowgrain_formats::scene::document::{ShapeName, ShapeTable};
 use snowgrain_geometry::{Shape, ShapeKind};
 use snowgrain_math::trig;
-use snowgrain_render::laboratory::{Scattering, scattering};
+use snowgrain_render::laboratory::{Scatterers, Scattering, scattering_of_mix};
 
-pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Failure> {
+pub(super) fn run(arguments: &PhaseArguments) -> Result<u8, Failure> {
     let (eta, _) = super::index(arguments)?;
     let typed = &arguments.shape;
-    let kind = kind(arguments, name)?;
-    let shape = Shape::new(kind).map_err(|error| Failure::usage(format!("--{error}")))?;
+    let (name, shapes) = shapes(arguments)?;
     let level = typed.machine.simd.unwrap_or_else(SimdLevel::detect);
     let bins = usize::from(arguments.bins);
     let pool = threads::pool(&typed.machine)?;
-    let found = pool.install(|| scattering(&shape, eta, bins, (typed.paths, typed.seed), level));
+    let paths = (typed.paths, typed.seed);
+    let found = pool.install(|| scattering_of_mix(&shapes, eta, bins, paths, level));
+    let surface = mean(&shapes, Shape::surface_area);
     let figures = [
         ("refractive_index", eta),
         ("g", found.asymmetry.mean),
@@ -30,15 +32,43 @@ pub(super) fn run(arguments: &PhaseArguments, name: ShapeName) -> Result<u8, Fai
         ("interfaces_per_visit", found.interface_events.mean),
         ("projected_area_r2", found.projected_area.mean),
         ("projected_area_standard_error", found.projected_area.standard_error),
-        ("surface_area_r2", shape.surface_area()),
+        ("surface_area_r2", surface),
     ];
     let table = table(&found);
     table.tell_with(&figures, arguments.format, arguments.output.as_deref())?;
     if let Some(file) = &arguments.plot {
-        let title = format!("Scattering by {}, without diffraction", shape.name());
+        let title = format!("Scattering by {name}, without diffraction");
         plot::write(file, &charts(&title, &table, [eta, found.asymmetry.mean]))?;
     }
     Ok(0)
+}
+
+/// What is asked for: how it is called, and each shape with its part of the grains.
+fn shapes(arguments: &PhaseArguments) -> Result<(String, Vec<(Shape, f64)>), Failure> {
+    if let Some(name) = &arguments.shape.shapes {
+        let Scatterers::Shapes(mix) = read_scatterers(name, arguments.shape.seed)? else {
+            return Ok((name.clone(), vec![(sphere()?, 1.0)]));
+        };
+        let shapes = mix.mix().shapes().iter();
+        let shapes = shapes.map(|mixed| (Shape::clone(&mixed.shape), mixed.fraction));
+        return Ok((name.clone(), shapes.collect()));
+    }
+    let kind = match arguments.shape.shape {
+        Some(name) => kind(arguments, name)?,
+        None => ShapeKind::Sphere,
+    };
+    let shape = Shape::new(kind).map_err(|error| Failure::usage(format!("--{error}")))?;
+    Ok((shape.name().to_owned(), vec![(shape, 1.0)]))
+}
+
+fn sphere() -> Result<Shape, Failure> {
+    Shape::new(ShapeKind::Sphere).map_err(|error| Failure::usage(error.to_string()))
+}
+
+/// Mean over the grains.
+fn mean(shapes: &[(Shape, f64)], of: impl Fn(&Shape) -> f64) -> f64 {
+    let all: f64 = shapes.iter().map(|(_, fraction)| fraction).sum();
+    shapes.iter().map(|(shape, fraction)| fraction * of(shape)).sum::<f64>() / all
 }
 
 fn kind(arguments: &PhaseArguments, name: ShapeName) -> Result<ShapeKind, Failure> {

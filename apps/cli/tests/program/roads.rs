@@ -1,0 +1,130 @@
+//! Other ways of light through snow: media and the dipole.
+
+use crate::Workplace;
+use snowgrain_film::Layer;
+use snowgrain_formats::image::read_picture;
+
+const SCENE: &str = "\
+version = 1
+[film]
+width = 24
+height = 16
+samples_per_pixel = 4
+[camera]
+from = [0.02, 0.1, 0.06]
+at = [0.02, 0.005, 0.02]
+vertical_fov = 10
+[[light]]
+kind = \"overcast\"
+[[object]]
+shape = \"plane\"
+albedo = 0.5
+[[snow]]
+source = \"deposit\"
+rule = \"stick\"
+radius = \"0.5 mm\"
+grains = 12000
+area = [0, 0, 0.04, 0.04]
+[integrator]
+deep_depth = 0.1
+deep = \"proxy\"
+";
+
+/// The options of each road.
+const ROADS: [[&str; 4]; 4] = [
+    ["--set", "integrator.deep=\"proxy\"", "--set", "integrator.deep_after_grains=2"],
+    ["--set", "integrator={ kind = \"proxy\" }", "--set", "film.seed=0"],
+    ["--set", "integrator={ kind = \"volume\" }", "--set", "film.seed=0"],
+    ["--set", "integrator={ kind = \"dipole\" }", "--set", "film.seed=0"],
+];
+
+fn place() -> Workplace {
+    let place = Workplace::new();
+    place.file("scene.toml", SCENE);
+    place
+}
+
+/// Whatever scatters light loses none and makes none: every pixel of a furnace is 1. The dipole is left out: it
+/// takes snow for a half space, and is dark where that is small.
+#[test]
+fn media_are_white_in_the_furnace() {
+    let place = place();
+    for road in &ROADS[..3] {
+        let render = ["render", "scene.toml", "--furnace", "-o", "white.exr", "--quiet"];
+        place.succeed(&[&render[..], road].concat());
+        let picture = read_picture(&place.path("white.exr")).unwrap();
+        for layer in Layer::COLOUR {
+            let values = picture.layer(layer).unwrap();
+            let off = values.iter().map(|value| (value - 1.0).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-6, "{road:?}: {off}");
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_show_in_any_road() {
+    let place = place();
+    for road in ROADS {
+        for threads in ["1", "3"] {
+            let name = format!("{threads}.film");
+            let render = ["render", "scene.toml", "-o", &name, "--quiet", "--threads", threads];
+            place.succeed(&[&render[..], &road].concat());
+        }
+        assert_eq!(place.bytes("1.film"), place.bytes("3.film"), "{road:?}");
+    }
+}
+
+/// A sun is looked for on each road that can, and brings about what it brings to real grains: the tolerances are what the roads
+/// are wrong by on so small a body, not noise.
+#[test]
+fn roads_know_the_sun() {
+    let place = place();
+    let mean = |road: &[&str]| {
+        let sun = ["--set", "light=[{ kind = \"sun\", elevation = 50 }]", "--spp", "16"];
+        let render = ["render", "scene.toml", "-o", "a.exr", "--quiet"];
+        place.succeed(&[&render[..], &sun, road].concat());
+        let picture = read_picture(&place.path("a.exr")).unwrap();
+        let green = picture.layer(Layer::G).unwrap();
+        green.iter().map(|&value| f64::from(value)).sum::<f64>() / green.len() as f64
+    };
+    let exact = mean(&["--set", "integrator={ calibration_paths = 16384 }"]);
+    for (road, allowed) in ROADS[1..].iter().zip([0.15, 0.4, 0.6]) {
+        let found = mean(road);
+        assert!((found / exact - 1.0).abs() < allowed, "{road:?}: {found} instead of {exact}");
+    }
+}
+
+#[test]
+fn what_a_road_cannot_do_is_refused_with_a_mend() {
+    let place = place();
+    let sun = "light=[{ kind = \"sun\", elevation = 40 }]";
+    let cases = [
+        (&[sun][..], "\"proxy\" looks for no light"),
+        (
+            &["integrator.kind=\"volume\""],
+            "follows all light to its end; leave integrator.deep out",
+        ),
+        (
+            &["integrator={ kind = \"proxy\" }", "snow.shapes=[{ shape = \"cube\" }]"],
+            "\"proxy\" knows spheres alone",
+        ),
+        (
+            &["integrator={ kind = \"dipole\" }", "film.keep=[\"ice-paths\"]"],
+            "\"dipole\" knows no lengths in ice",
+        ),
+        (
+            &["integrator={ kind = \"volume\" }", "material.dispersion=true"],
+            "\"volume\" knows no dispersion",
+        ),
+        (&["integrator.learning_paths=2048"], "needs integrator.deep = \"learnt\""),
+    ];
+    for (changes, mend) in cases {
+        let mut arguments = vec!["render", "scene.toml", "-o", "a.exr", "--quiet"];
+        changes.iter().for_each(|change| arguments.extend(["--set", change]));
+        let ended = place.run(&arguments);
+        assert_ne!(ended.code, Some(0), "{changes:?}");
+        assert!(ended.stderr.contains(mend), "{changes:?}: {}", ended.stderr);
+        assert_eq!(ended.stderr.trim_end().lines().count(), 1, "{}", ended.stderr);
+    }
+    assert!(!place.names().contains(&"a.exr".to_owned()));
+}

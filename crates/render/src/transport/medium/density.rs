@@ -1,0 +1,272 @@
+//! How much ice lies where, smoothed: the density of which a metaball is made of every grain.
+//!
+//! Each grain adds to the eight nodes around its centre, in proportion to its nearness along each axis, and between nodes
+//! the density is trilinear. So every grain is a smooth ball two cells wide, as in Nishita et al. 1997 ("A Modeling and
+//! Rendering Method for Snow by Using Metaballs", Computer Graphics Forum 16(3)), and the sum over all
+//! space is the grains' own. What a ball would put into a solid object is given back to the snow before
+//! it: a node's density counts by the part of its ball that is open.
+
+use crate::surface::Place;
+use snowgrain_accel::{GrainGrid, Surfaces};
+use snowgrain_math::{Aabb, DVec3, Ray};
+
+/// Edge of a cell in mean radii: about as many grains as neighbours of one, so that the density is even
+/// where the snow is.
+const CELL_IN_RADII: f64 = 4.0;
+/// Most nodes; where there would be more they are farther apart.
+const MOST_NODES: f64 = (1u64 << 25) as f64;
+/// Places along each edge of a cell that a surface crosses at which is asked what is open.
+const PLACES: usize = 4;
+/// Least part of a ball that counts as open.
+const LEAST_OPEN: f64 = 0.05;
+
+/// What there is at a place, smoothed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Matter {
+    /// Area of the grains' discs by volume, 1/m.
+    pub(super) area: f64,
+    /// Volume of the grains by volume.
+    pub(super) solid: f64,
+}
+
+impl Matter {
+    /// Radius of grains of one size with the same area and volume, metres.
+    pub(super) fn radius(self) -> f64 {
+        if self.area > 0.0 { 0.75 * self.solid / self.area } else { 0.0 }
+    }
+}
+
+/// The smoothed density of the grains of a grid.
+#[derive(Clone, Debug)]
+pub(super) struct Density {
+    /// Place of the first node, and from node to node, metres.
+    low: DVec3,
+    edges: DVec3,
+    nodes: [usize; 3],
+    repeats: [bool; 3],
+    /// Area and volume at each node, x fastest.
+    values: Vec<[f32; 2]>,
+    /// Around all that is not empty; infinite along axes that repeat.
+    pub(super) bounds: Aabb,
+}
+
+impl Density {
+    /// Of all grains among these surfaces, whose places are in the order of the objects; `None` where there are
+    /// no grains.
+    pub(super) fn new(grid: &GrainGrid, surfaces: &Surfaces, places: &[Place]) -> Option<Self> {
+        let [mut squares, mut cubes] = [0.0, 0.0];
+        let mut around = Aabb::EMPTY;
+        grid.for_each_grain(|center, radius| {
+            squares += radius * radius;
+            cubes += radius * radius * radius;
+            around = around.including(center);
+        });
+        if squares <= 0.0 {
+            return None;
+        }
+        let mut density = Self::empty(grid, around, CELL_IN_RADII * cubes / squares);
+        let per_volume = 1.0 / density.edges.to_array().iter().product::<f64>();
+        let mut sums = vec![[0.0f64; 2]; density.values.len()];
+        grid.for_each_grain(|center, radius| {
+            let area = core::f64::consts::PI * radius * radius * per_volume;
+            for (node, weight) in density.around(center) {
+                sums[node][0] += weight * area;
+                sums[node][1] += weight * area * radius * (4.0 / 3.0);
+            }
+        });
+        if !surfaces.is_empty() {
+            density.open_up(&mut sums, surfaces, places);
+        }
+        density.values = sums.iter().map(|sum| sum.map(|value| value as f32)).collect();
+        Some(density)
+    }
+
+    fn empty(grid: &GrainGrid, around: Aabb, cell: f64) -> Self {
+        let (period, repeats) = (grid.first_period(), grid.repeats());
+        let mut cell = cell;
+        loop {
+            let (mut low, mut edges, mut nodes) = (DVec3::ZERO, DVec3::ZERO, [0; 3]);
+            let mut bounds = around.expanded(cell);
+            for axis in 0..3 {
+                if repeats[axis] {
+                    let length = period.max[axis] - period.min[axis];
+                    let count = (length / cell).round().max(1.0);
+                    (low[axis], edges[axis]) = (period.min[axis], length / count);
+                    nodes[axis] = count as usize;
+                    (bounds.min[axis], bounds.max[axis]) = (f64::NEG_INFINITY, f64::INFINITY);
+                } else {
+                    let length = around.max[axis] - around.min[axis];
+                    (low[axis], edges[axis]) = (around.min[axis] - cell, cell);
+                    nodes[axis] = (length / cell).ceil() as usize + 3;
+                }
+            }
+            let count = nodes.iter().map(|&n| n as f64).product::<f64>();
+            if count <= MOST_NODES {
+                let values = vec![[0.0; 2]; nodes.iter().product()];
+                return Self { low, edges, nodes, repeats, values, bounds };
+            }
+            cell *= 2.0;
+        }
+    }
+
+    /// The eight nodes around a point, and their weights.
+    fn around(&self, point: DVec3) -> [(usize, f64); 8] {
+        let at = (point - self.low) / self.edges;
+        let floor = at.floor();
+        let part = at - floor;
+        let node = |axis: usize, upper: bool| {
+            self.wrapped(floor[axis] as isize + isize::from(upper), axis)
+        };
+        std::array::from_fn(|corner| {
+            let upper = [0, 1, 2].map(|axis: usize| corner >> axis & 1 == 1);
+            let weight: f64 = (0..3)
+                .map(|axis| if upper[axis] { part[axis] } else { 1.0 - part[axis] })
+                .product();
+            let [x, y, z] = std::array::from_fn(|axis| node(axis, upper[axis]));
+            ((z * self.nodes[1] + y) * self.nodes[0] + x, weight)
+        })
+    }
+
+    /// What there is at a point within the bounds.
+    pub(super) fn at(&self, point: DVec3) -> Matter {
+        let mut matter = Matter::default();
+        for (node, weight) in self.around(point) {
+            let [area, solid] = self.values[node].map(f64::from);
+            matter.area += weight * area;
+            matter.solid += weight * solid;
+        }
+        matter
+    }
+
+    /// One of the eight nodes around a point within the bounds, as likely as its weight; a uniform number, of which eight
+    /// bits serve each axis.
+    pub(super) fn node_near(&self, point: DVec3, random: f64) -> usize {
+        let bits = (random * f64::from(1u32 << 24)) as u32;
+        let at = (point - self.low) / self.edges;
+        let index = |axis: usize| {
+            let part = (f64::from(bits >> (8 * axis) & 0xff) + 0.5) / 256.0;
+            self.wrapped((at[axis] + part).floor() as isize, axis)
+        };
+        (index(2) * self.nodes[1] + index(1)) * self.nodes[0] + index(0)
+    }
+
+    /// A node's number along an axis: within the grid.
+    fn wrapped(&self, index: isize, axis: usize) -> usize {
+        let count = self.nodes[axis].cast_signed();
+        let within = match self.repeats[axis] {
+            true => index.rem_euclid(count),
+            false => index.clamp(0, count - 1),
+        };
+        within as usize
+    }
+
+    /// The steepest way out of the snow at a point, by differences over half a cell; not of unit length.
+    pub(super) fn outwards(&self, point: DVec3) -> DVec3 {
+        let slope = |axis: usize| {
+            let mut step = DVec3::ZERO;
+            step[axis] = 0.5 * self.edges[axis];
+            let [ahead, behind] = [point + step, point - step].map(|place| self.at(place).area);
+            (behind - ahead) / self.edges[axis]
+        };
+        DVec3::from_array(std::array::from_fn(slope))
+    }
+
+    /// All that nodes hold.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = Matter> + '_ {
+        let matter =
+            |&[area, solid]: &[f32; 2]| Matter { area: f64::from(area), solid: f64::from(solid) };
+        self.values.iter().map(matter)
+    }
+
+    /// The shortest edge of a cell, metres.
+    pub(super) fn shortest_edge(&self) -> f64 {
+        self.edges.min_element()
+    }
+
+    /// Radius of grains of one size with the area and volume of all, metres.
+    pub(super) fn mean_radius(&self) -> f64 {
+        let all = self.nodes().fold(Matter::default(), |sum, matter| Matter {
+            area: sum.area + matter.area,
+            solid: sum.solid + matter.solid,
+        });
+        all.radius()
+    }
+
+    /// The corners of each cell, with the area there; of the cells between the first nodes and the last.
+    pub(super) fn cells(&self) -> impl Iterator<Item = [(DVec3, f64); 8]> + '_ {
+        let [nx, ny, nz] = self.nodes;
+        let cells = (0..nz - 1)
+            .flat_map(move |z| (0..ny - 1).flat_map(move |y| (0..nx - 1).map(move |x| [x, y, z])));
+        cells.map(move |cell| {
+            std::array::from_fn(|corner| {
+                let node: [usize; 3] =
+                    std::array::from_fn(|axis| cell[axis] + (corner >> axis & 1));
+                let [x, y, z] = node;
+                let place = DVec3::from_array(node.map(|index| index as f64));
+                let area = self.values[(z * ny + y) * nx + x][0];
+                (self.low + place * self.edges, f64::from(area))
+            })
+        })
+    }
+
+    /// Volume of a cell, cubic metres.
+    #[cfg(test)]
+    pub(super) fn volume_of_cell(&self) -> f64 {
+        self.edges.to_array().iter().product()
+    }
+
+    /// Memory, bytes.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        size_of_val(self.values.as_slice()) as u64
+    }
+
+    /// Divides each sum by the part of its ball that is not within solid objects.
+    fn open_up(&self, sums: &mut [[f64; 2]], surfaces: &Surfaces, places: &[Place]) {
+        let mut closed = vec![0.0f32; sums.len()];
+        let cells = |axis: usize| self.nodes[axis] - usize::from(!self.repeats[axis]);
+        for z in 0..cells(2) {
+            for y in 0..cells(1) {
+                for x in 0..cells(0) {
+                    let low = self.low + DVec3::new(x as f64, y as f64, z as f64) * self.edges;
+                    let middle = low + 0.5 * self.edges;
+                    if self.around(middle).iter().all(|&(node, _)| sums[node] == [0.0; 2]) {
+                        continue;
+                    }
+                    self.close(&mut closed, low, (surfaces, places));
+                }
+            }
+        }
+        for (sum, closed) in sums.iter_mut().zip(closed) {
+            let open = (1.0 - f64::from(closed)).max(LEAST_OPEN);
+            *sum = sum.map(|value| value / open);
+        }
+    }
+
+    /// Adds to each node around a cell the part of its ball that is in the cell and within solid objects.
+    fn close(&self, closed: &mut [f32], low: DVec3, (surfaces, places): (&Surfaces, &[Place])) {
+        let crossed = surfaces.may_cross(&Aabb::new(low, low + self.edges));
+        let count = if crossed { PLACES } else { 1 };
+        let each = 1.0 / (count * count * count) as f64;
+        for index in 0..count * count * count {
+            let part = [index % count, index / count % count, index / (count * count)]
+                .map(|place| (place as f64 + 0.5) / count as f64);
+            let point = low + DVec3::from_array(part) * self.edges;
+            if !is_within_solid(point, surfaces, places) {
+                continue;
+            }
+            for (node, weight) in self.around(point) {
+                closed[node] += (weight * each) as f32;
+            }
+        }
+    }
+}
+
+/// Whether a point lies within a solid object, or below a surface that is open: what is first met straight
+/// above is met from within.
+pub(super) fn is_within_solid(point: DVec3, surfaces: &Surfaces, places: &[Place]) -> bool {
+    let up = Ray::new(point, DVec3::Y);
+    surfaces.intersect(&up, f64::INFINITY, None).is_some_and(|hit| {
+        let place = &places[hit.id.object as usize];
+        place.outwards(hit.id.piece, up.at(hit.t)).y > 0.0
+    })
+}
