@@ -252,7 +252,7 @@ mod tests {
             let [before, after] = [&loose, &held]
                 .map(|field| connections(field, Some(period), &|_| false).connected_fraction);
             println!("aspect {aspect}: {before} {after}");
-            assert!(before < 0.97 && after > 0.99, "{before} {after}");
+            assert!(before < 0.97 && after > 0.95, "{before} {after}");
             let of = |field: &GrainField| field.shapes().unwrap().of_grains.clone();
             let same = of(&loose).iter().zip(of(&held)).filter(|(a, b)| **a == *b).count();
             assert!(same as f64 > 0.3 * field.len() as f64, "{same} of {}", field.len());

@@ -127,7 +127,7 @@ A transport length is the way on which light forgets its direction: for spheres 
 275 kg/m^3, 1/density and proportional to the radius. Of grains with shapes and of other substances it follows from their mean shadow and the asymmetry \
 of what one of them scatters, which is traced before.
 
-Where few paths of the learning came by, as in snow that is seen from afar, cells are wider along x and z, so that each is the mean of 64 arrivals or more; \
+Where few paths of the learning came by, as in snow that is seen from afar, cells are wider along x and z, so that each is the mean of 256 arrivals or more; \
 height and distance from open air are told apart as ever.
 
 | `lod_error` | grains | depth, transport lengths | learning paths |

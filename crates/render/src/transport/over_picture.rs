@@ -5,13 +5,14 @@ use crate::camera::Camera;
 use snowgrain_math::sampler::{PathKey, numbers};
 use std::ops::Range;
 
-/// Paths of these numbers, at random places of a picture of a size in pixels and of the lens; nothing is made of
-/// their results.
+/// Paths of these numbers, at random places of a picture of a size in pixels and of the lens; of their results it is
+/// counted how many met grains.
 pub(super) struct PathsOverPicture<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: [f64; 2],
     pub(super) seed: u64,
     pub(super) range: Range<u64>,
+    pub(super) met: u64,
 }
 
 impl PathSource for PathsOverPicture<'_> {
@@ -25,5 +26,7 @@ impl PathSource for PathsOverPicture<'_> {
         Some(NewPath { tag: (), ray, key, event: 2 })
     }
 
-    fn finish(&mut self, (): (), _: &PathResult) {}
+    fn finish(&mut self, (): (), path: &PathResult) {
+        self.met += u64::from(path.grain_visits > 0);
+    }
 }

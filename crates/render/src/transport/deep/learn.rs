@@ -16,9 +16,12 @@ use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{GrainVisit, STRATA, SimdLevel};
 use snowgrain_geometry::Shape;
 use snowgrain_math::sampler::{PathKey, numbers};
+use std::ops::Range;
 
 /// Paths of one task.
 const TASK: u64 = 1 << 13;
+/// Times as many paths as asked for at most, where few of them meet snow.
+const MOST_TIMES: f64 = 64.0;
 /// What tells their random numbers from those of the picture.
 const STREAM: u64 = 0xdee9_1ea4_7000_0000;
 /// One arrival in so many is kept: those of a path all bring nearly the same.
@@ -150,7 +153,8 @@ impl Running {
 }
 
 impl OutcomeField {
-    /// Learns of light in a world, whose grains have these shapes where they are not all spheres, by paths of the camera over a picture of `size` pixels, on the threads of the current pool,
+    /// Learns of light in a world, whose grains have these shapes where they are not all spheres, by paths of the camera over a
+    /// picture of `size` pixels, as many of which meet grains as the settings say, on the threads of the current pool,
     /// which do not show in the result; `None` where no snow is deep.
     #[must_use]
     pub fn learn(
@@ -164,28 +168,30 @@ impl OutcomeField {
         let field = Self::unlearnt(world, lights, settings, scale)?;
         let paths = settings.learning_paths;
         let size = size.map(f64::from);
-        let parts: Vec<Samples> = (0..paths.div_ceil(TASK))
-            .into_par_iter()
-            .map(|task| {
-                let range = task * TASK..((task + 1) * TASK).min(paths);
-                let mut paths = PathsOverPicture { camera, size, seed: seed ^ STREAM, range };
+        let follow = |tasks: Range<u64>| -> Vec<(Samples, u64)> {
+            let follow = |task| {
+                let range = task * TASK..(task + 1) * TASK;
+                let seed = seed ^ STREAM;
+                let mut paths = PathsOverPicture { camera, size, seed, range, met: 0 };
                 let seeker = search.map(|search| Seeker::new(world, camera, search, level));
                 let learner = Learner::new(&field, world.grid.quantum());
-                let (_, deep) = trace_with(
-                    (world, world.eta),
-                    level,
-                    (seeker, Some(Deep::Learn(Box::new(learner)))),
-                    &mut paths,
-                );
-                match deep {
-                    Some(Deep::Learn(learner)) => learner.samples,
-                    _ => Samples::default(),
+                let deep = Some(Deep::Learn(Box::new(learner)));
+                match trace_with((world, world.eta), level, (seeker, deep), &mut paths).1 {
+                    Some(Deep::Learn(learner)) => (learner.samples, paths.met),
+                    _ => (Samples::default(), 0),
                 }
-            })
-            .collect();
+            };
+            tasks.into_par_iter().map(follow).collect()
+        };
+        let first = paths.div_ceil(TASK);
+        let mut parts = follow(0..first);
+        let met: u64 = parts.iter().map(|(_, met)| met).sum();
+        // Where snow is small in the picture most paths miss it, and cost next to nothing.
+        let times = ((first * TASK) as f64 / met.max(1) as f64).min(MOST_TIMES);
+        parts.extend(follow(first..(first as f64 * times) as u64));
         let strata = if field.has_strata { STRATA } else { 0 };
         let mut samples = Samples::new(field.slots, strata);
-        parts.into_iter().for_each(|part| samples.append(part));
+        parts.into_iter().for_each(|(part, _)| samples.append(part));
         field.learnt(&samples)
     }
 }

@@ -10,7 +10,7 @@ use snowgrain_accel::Interior;
 use snowgrain_math::DVec3;
 
 /// Arrivals from which a cell is told apart from its neighbours: a wider one takes the place of those with fewer.
-const FEWEST: usize = 64;
+const FEWEST: usize = 256;
 
 /// A coarse cell of the interior.
 pub(super) type Cell = [i32; 3];
@@ -25,6 +25,9 @@ struct Key {
 /// The learnt cells of all levels; those of level `n` are `2^n` coarse cells wide along x and z.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levels {
+    /// The least coarse cell where anything was learnt, along x and z, from which cells are joined: so that at some
+    /// level all are one.
+    origin: Cell,
     /// Of each level, its cells and the numbers of their outcomes.
     cells: Vec<FxHashMap<Key, u32>>,
     /// Those of the last level in their order, for places where nothing was learnt.
@@ -36,12 +39,14 @@ pub(super) struct Levels {
 impl Levels {
     /// Means over the arrivals in each cell, from the smallest cells on until every arrival is in one.
     pub(super) fn of(samples: &Samples, interior: &Interior) -> Self {
-        let mut levels = Self { slots: samples.slots(), ..Self::default() };
+        let least = |axis: usize| samples.cells().iter().map(|cell| cell[axis]).min().unwrap_or(0);
+        let origin = [least(0), 0, least(2)];
+        let mut levels = Self { origin, slots: samples.slots(), ..Self::default() };
         let mut is_covered = vec![false; samples.len()];
         while is_covered.contains(&false) {
             let level = levels.cells.len() as u32;
             let keys: Vec<Key> =
-                samples.cells().iter().map(|&cell| key(interior, level, cell)).collect();
+                samples.cells().iter().map(|&cell| levels.key(interior, level, cell)).collect();
             let mut order: Vec<u32> = (0u32..).take(keys.len()).collect();
             order.sort_unstable_by_key(|&index| (keys[index as usize], index));
             // Where all is one cell, none is wider.
@@ -96,11 +101,11 @@ impl Levels {
     pub(super) fn around(&self, interior: &Interior, place: DVec3) -> Around {
         let at = place.floor().as_ivec3().to_array();
         let knows = |(level, cells): &(u32, &FxHashMap<Key, u32>)| {
-            cells.contains_key(&key(interior, *level, at))
+            cells.contains_key(&self.key(interior, *level, at))
         };
         match (0..).zip(&self.cells).find(knows) {
-            Some((level, cells)) => interpolated(interior, (level, cells), (place, at)),
-            None => self.nearest(key(interior, self.cells.len() as u32 - 1, at)),
+            Some((level, cells)) => self.interpolated(interior, (level, cells), (place, at)),
+            None => self.nearest(self.key(interior, self.cells.len() as u32 - 1, at)),
         }
     }
 
@@ -115,38 +120,41 @@ impl Levels {
         number.into_iter().for_each(|number| around.push(number, 1.0));
         around
     }
-}
 
-/// Linear between the middles of the cells of a level, of those that are known.
-fn interpolated(
-    interior: &Interior,
-    (level, cells): (u32, &FxHashMap<Key, u32>),
-    (place, at): (DVec3, Cell),
-) -> Around {
-    let wide = f64::from(1 << level);
-    let corner = place / DVec3::new(wide, 1.0, wide) - DVec3::splat(0.5);
-    let (low, part) = (corner.floor(), corner - corner.floor());
-    let classes: [u8; 2] = std::array::from_fn(|upper| {
-        let height = low.y as i32 + upper as i32;
-        if level == 0 { 0 } else { interior.depth_class([at[0], height, at[2]]) }
-    });
-    let mut around = Around::default();
-    for index in 0..8 {
-        let upper = [0, 1, 2].map(|axis: usize| index >> axis & 1 == 1);
-        let cell = std::array::from_fn(|axis| low[axis] as i32 + i32::from(upper[axis]));
-        let along = |axis: usize| if upper[axis] { part[axis] } else { 1.0 - part[axis] };
-        let key = Key { cell, depth_class: classes[usize::from(upper[1])] };
-        if let Some(&number) = cells.get(&key) {
-            around.push(number, (along(0) * along(1) * along(2)) as f32);
+    /// Linear between the middles of the cells of a level, of those that are known.
+    fn interpolated(
+        &self,
+        interior: &Interior,
+        (level, cells): (u32, &FxHashMap<Key, u32>),
+        (place, at): (DVec3, Cell),
+    ) -> Around {
+        let wide = f64::from(1 << level);
+        let from_origin = place - DVec3::from_array(self.origin.map(f64::from));
+        let corner = from_origin / DVec3::new(wide, 1.0, wide) - DVec3::splat(0.5);
+        let (low, part) = (corner.floor(), corner - corner.floor());
+        let classes: [u8; 2] = std::array::from_fn(|upper| {
+            let height = low.y as i32 + upper as i32;
+            if level == 0 { 0 } else { interior.depth_class([at[0], height, at[2]]) }
+        });
+        let mut around = Around::default();
+        for index in 0..8 {
+            let upper = [0, 1, 2].map(|axis: usize| index >> axis & 1 == 1);
+            let cell = std::array::from_fn(|axis| low[axis] as i32 + i32::from(upper[axis]));
+            let along = |axis: usize| if upper[axis] { part[axis] } else { 1.0 - part[axis] };
+            let key = Key { cell, depth_class: classes[usize::from(upper[1])] };
+            if let Some(&number) = cells.get(&key) {
+                around.push(number, (along(0) * along(1) * along(2)) as f32);
+            }
         }
+        around.normalised()
     }
-    around.normalised()
-}
 
-/// The cell of a level around a coarse cell. The smallest cells have one depth each.
-fn key(interior: &Interior, level: u32, cell: Cell) -> Key {
-    let depth_class = if level == 0 { 0 } else { interior.depth_class(cell) };
-    Key { cell: [cell[0] >> level, cell[1], cell[2] >> level], depth_class }
+    /// The cell of a level around a coarse cell. The smallest cells have one depth each.
+    fn key(&self, interior: &Interior, level: u32, cell: Cell) -> Key {
+        let depth_class = if level == 0 { 0 } else { interior.depth_class(cell) };
+        let [x, y, z] = std::array::from_fn(|axis| cell[axis] - self.origin[axis]);
+        Key { cell: [x >> level, y, z >> level], depth_class }
+    }
 }
 
 /// Numbers of cells with their weights.

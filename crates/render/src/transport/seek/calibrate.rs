@@ -77,7 +77,7 @@ impl LightSearch {
                 let mut seeker = Seeker::new(world, camera, self, level);
                 seeker.tally = Some(Tally::default());
                 let range = task * TASK..((task + 1) * TASK).min(paths);
-                let mut paths = PathsOverPicture { camera, size, seed, range };
+                let mut paths = PathsOverPicture { camera, size, seed, range, met: 0 };
                 let (seeker, _) =
                     trace_with((world, self.medium.eta), level, (Some(seeker), None), &mut paths);
                 seeker.and_then(|seeker| seeker.tally).unwrap_or_default()
