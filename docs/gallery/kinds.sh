@@ -3,6 +3,6 @@
 set -e
 cd "$(dirname "$0")"
 for kind in fresh wind-slab old corn melt-freeze-crust firn depth-hoar surface-hoar graupel; do
-  snowgrain render kinds.toml --size 240x180 --spp "${SPP:-512}" --lod-error 0.01 --set "snow.kind=$kind" \
+  snowgrain render kinds.toml --size 240x180 --spp "${SPP:-512}" --set "snow.kind=$kind" \
     --set integrator.calibration_paths=262144 -o "kind-$kind.png"
 done

@@ -56,7 +56,7 @@ fn channel(film: &Film, channel: usize) -> Estimate {
 }
 
 /// Each channel within the error that is asked for (and 4 sigma of chance) of light that is followed to its end, with the
-/// noise of a path cut to less than half: plates, whose light goes farther; salt, whose light turns sooner; white and blue ice, which
+/// noise of a path cut to less than half: salt, whose light turns sooner; white and blue ice, which
 /// needs lengths; ice with soot in a stratum of its own; a sun that is looked for.
 #[test]
 fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
@@ -69,9 +69,7 @@ fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
         "integrator.light=\"sampled\"",
         "integrator.calibration_paths=65536",
     ];
-    let plates = "snow.shapes=[{ shape = \"hexagonal-plate\", aspect = 0.2 }]";
-    let cases: [(&str, Vec<&str>, u64, u64); 5] = [
-        ("plates", vec![plates], 96, 64),
+    let cases: [(&str, Vec<&str>, u64, u64); 4] = [
         ("salt", vec!["material={ substance = \"salt\" }"], 512, 256),
         ("overcast", vec![], 1024, 512),
         ("soot", vec![soot], 512, 256),

@@ -55,9 +55,14 @@ fn tiled_snow_is_as_bright_as_listed_snow() {
         (green(&film(&scene, samples(96, 1024))), grains)
     });
     println!("{tiled:?} {listed:?}");
-    let ratio = tiled.1 as f64 / listed.1 as f64;
-    assert!((ratio - 1.0).abs() < 0.01, "{} and {} grains", tiled.1, listed.1);
-    let error = tiled.0.standard_error.hypot(listed.0.standard_error);
+    // A box this small cuts through parts of a pack that are a little denser or looser than all of it.
+    let ball = 4.0 / 3.0 * core::f64::consts::PI * 0.4e-3 * 0.4e-3 * 0.4e-3;
+    let asked = 275.0 / 917.0 * 0.061 * 0.023 * 0.055 / ball;
+    for grains in [tiled.1, listed.1] {
+        assert!((grains as f64 / asked - 1.0).abs() < 0.02, "{grains} grains of {asked}");
+    }
+    let [a, b] = [tiled.0.standard_error, listed.0.standard_error];
+    let error = (a * a + b * b).sqrt();
     let allowed = 0.005 * listed.0.mean + SIGMAS * error;
     assert!((tiled.0.mean - listed.0.mean).abs() < allowed, "{tiled:?} {listed:?}");
 }

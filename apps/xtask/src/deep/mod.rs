@@ -124,8 +124,8 @@ rendered exactly, and so is all light that comes back before it has met a few gr
 surfaces (`deep_after_grains`, `deep_depth`).
 
 A transport length is the way on which light forgets its direction: for spheres of ice 5.2 mean distances between grains, 11.6 mm for grains of .5 mm at \
-275 kg/m^3, 1/density and proportional to the radius. Of grains with shapes and of other substances it follows from their mean shadow and the asymmetry \
-of what one of them scatters, which is traced before.
+275 kg/m^3, 1/density and proportional to the radius. Of other substances it follows from the asymmetry of what one of their grains scatters. Grains with shapes are refused: by their own \
+shadow and asymmetry plates came out .8 to 1.9 % too bright.
 
 Where few paths of the learning came by, as in snow that is seen from afar, cells are wider along x and z, so that each is the mean of 256 arrivals or more; \
 height and distance from open air are told apart as ever.

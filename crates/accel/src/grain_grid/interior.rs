@@ -223,7 +223,10 @@ impl Sums {
     fn finish(self, tell: &mut impl FnMut([i32; 3], i64)) {
         let [x, y, _] = self.cells.map(|n| n as usize);
         for (index, full) in self.pieces.into_iter().flatten().enumerate() {
-            tell([index % x, index / x % y, index / (x * y)].map(|c| c as i32), full);
+            tell(
+                [index % x, index / x % y, index / (x * y)].map(|c| (c as u32).cast_signed()),
+                full,
+            );
         }
     }
 }

@@ -98,7 +98,10 @@ impl PackedCells {
     pub(crate) fn for_each_brick(&self, mut show: impl FnMut([i32; 3], usize)) {
         let [x, y] = [self.bricks[0], self.bricks[1]].map(|n| n as usize);
         for (at, &number) in self.table.iter().enumerate().filter(|(_, number)| **number != 0) {
-            show([at % x, at / x % y, at / (x * y)].map(|c| c as i32), number as usize);
+            show(
+                [at % x, at / x % y, at / (x * y)].map(|c| (c as u32).cast_signed()),
+                number as usize,
+            );
         }
     }
 

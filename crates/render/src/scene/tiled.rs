@@ -19,11 +19,11 @@ pub(crate) fn tiled_bodies(description: &SceneDescription) -> Option<Vec<&FillSe
     {
         return None;
     }
-    let body = |snow| match snow {
-        &SnowDescription::Filled(ref settings) => Some(settings),
-        _ => None,
-    };
-    let bodies: Vec<&FillSettings> = description.snow.iter().map(body).collect::<Option<_>>()?;
+    let mut bodies: Vec<&FillSettings> = Vec::new();
+    for snow in &description.snow {
+        let SnowDescription::Filled(settings) = snow else { return None };
+        bodies.push(settings);
+    }
     let grains: f64 = bodies.iter().map(|body| body.expected_grains()).sum();
     let many = description.tiled == Some(true) || grains >= MANY;
     (many && TiledFill::fits(&bodies)).then_some(bodies)

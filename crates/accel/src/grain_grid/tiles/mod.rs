@@ -146,7 +146,8 @@ impl GrainGrid {
                 .map(|number| {
                     let [x, y] = [counts[0], counts[1]].map(|n| n as usize);
                     let at = [number % x, number / x % y, number / x / y];
-                    let brick = std::array::from_fn(|axis| low[axis] + at[axis] as i64);
+                    let brick =
+                        std::array::from_fn(|axis| low[axis] + (at[axis] as u64).cast_signed());
                     edge::filling(&layout, &tiles, &shared, brick)
                 })
                 .collect();

@@ -40,7 +40,7 @@ impl OutcomeField {
         interior.has_deep().then(|| Self {
             ahead: DVec3::splat(scale.ahead) / interior.edges(),
             interior,
-            after_grains: settings.after_grains,
+            after_grains: (f64::from(settings.after_grains) * scale.grains_for_one).round() as u32,
             unit,
             slots: lights.slots().len(),
             has_strata: world.grid.has_strata(),

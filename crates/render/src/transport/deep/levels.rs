@@ -132,8 +132,8 @@ impl Levels {
         let from_origin = place - DVec3::from_array(self.origin.map(f64::from));
         let corner = from_origin / DVec3::new(wide, 1.0, wide) - DVec3::splat(0.5);
         let (low, part) = (corner.floor(), corner - corner.floor());
-        let classes: [u8; 2] = std::array::from_fn(|upper| {
-            let height = low.y as i32 + upper as i32;
+        let classes: [u8; 2] = [0, 1].map(|upper| {
+            let height = low.y as i32 + upper;
             if level == 0 { 0 } else { interior.depth_class([at[0], height, at[2]]) }
         });
         let mut around = Around::default();

@@ -34,7 +34,7 @@ use snowgrain_accel::{DeepAnswer, DeepWatch};
 /// When a path of a picture ends deep in the snow, and how what it brings is learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeepSettings {
-    /// Grains that a path meets exactly, at least.
+    /// Grains that a path meets exactly, at least: of spheres of ice; of others as many as turn it as much.
     pub after_grains: u32,
     /// Distance from open air and surfaces at least, transport lengths.
     pub depth: f64,

@@ -19,6 +19,9 @@ const FULLEST: f64 = 0.62;
 /// on 10 cm of snow of 275 kg/m^3).
 const TURNED_AT_ONCE: f64 = 1.15;
 
+/// Transport length in mean distances between grains of spheres of ice at 275 kg/m^3, for which numbers of grains are told.
+const OF_SPHERES: f64 = 5.24;
+
 /// Paths by which the scattering of a shape is measured.
 const PATHS: u64 = 1 << 15;
 /// Seed of them.
@@ -31,6 +34,8 @@ pub(in super::super) struct Scale {
     pub(in super::super) transport_length: f64,
     /// How far ahead of an arrival along its direction what it brings is booked.
     pub(in super::super) ahead: f64,
+    /// Grains that turn light as much as one does in snow of spheres of ice.
+    pub(in super::super) grains_for_one: f64,
 }
 
 impl Scale {
@@ -68,6 +73,7 @@ impl Scale {
         Some(Self {
             transport_length: transport / extinction,
             ahead: (transport - TURNED_AT_ONCE).max(0.0) / extinction,
+            grains_for_one: transport / OF_SPHERES,
         })
     }
 }
