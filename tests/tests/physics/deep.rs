@@ -70,7 +70,7 @@ fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
         "integrator.calibration_paths=65536",
     ];
     let cases: [(&str, Vec<&str>, u64, u64); 4] = [
-        ("salt", vec!["material={ substance = \"salt\" }"], 512, 256),
+        ("salt", vec!["material={ kind = \"salt\" }", "snow.density=826"], 512, 256),
         ("overcast", vec![], 1024, 512),
         ("soot", vec![soot], 512, 256),
         ("sun", sun.to_vec(), 192, 128),

@@ -61,7 +61,7 @@ impl Grains {
     fn table(self) -> &'static str {
         match self {
             Self::Ice => "",
-            Self::Salt => "[material]\nsubstance = \"salt\"\n",
+            Self::Salt => "[material]\nkind = \"salt\"\n",
         }
     }
 }
