@@ -61,6 +61,8 @@ pub(crate) struct RunFigures {
     /// Cells of what light brings from deep in the snow, where that was learnt, and bytes that they take.
     pub(crate) learnt_cells: Option<u64>,
     pub(crate) learnt_bytes: Option<u64>,
+    /// Relative standard error of the learnt light of the whole picture.
+    pub(crate) learnt_relative_error: Option<f64>,
     /// How grains were packed: "fast" or "compact".
     pub(crate) packing: &'static str,
     pub(crate) threads: usize,
@@ -208,8 +210,9 @@ impl Run<'_> {
             rays: counts.rays,
             mean_radiance: self.mean_radiance,
             snowfalls: snowfalls(&report.snow, self.density_ratio),
-            learnt_cells: report.learnt.map(|(cells, _)| cells as u64),
-            learnt_bytes: report.learnt.map(|(_, bytes)| bytes),
+            learnt_cells: report.learnt.map(|learnt| learnt.cells),
+            learnt_bytes: report.learnt.map(|learnt| learnt.bytes),
+            learnt_relative_error: report.learnt.map(|learnt| learnt.relative_error),
             packing: match self.packing {
                 Packing::Fast => "fast",
                 Packing::Compact => "compact",

@@ -1,8 +1,10 @@
 //! The film: exact sums of every pixel, and what they are sums of.
 
+use crate::tile::Sums;
 use crate::{
-    BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, Kept, LightLayerNames,
-    LightLayers, PixelRect, PixelSums, SampleRanges, ShadowSums, shadow_catcher,
+    BlockCounts, FilmError, FilmTile, FilmTileMut, IcePathLayout, IcePaths, Kept, LearntSums,
+    LightLayerNames, LightLayers, PixelRect, PixelSums, SampleRanges, ShadowSums, learnt_light,
+    shadow_catcher,
 };
 use snowgrain_optics::Grade;
 use std::ops::Range;
@@ -18,7 +20,7 @@ pub struct FilmIdentity {
 
 /// Exact sums over the samples of a picture; 208 bytes per pixel of the crop, and those of
 /// [`IcePathLayout::bytes`] where ice paths and of [`LightLayerNames::bytes`] where layers of light are
-/// kept; 112 more where it has shadow catchers.
+/// kept; 112 more where it has shadow catchers, 32 where light is learnt.
 ///
 /// Films of the same picture and of different samples merge in any order to the same bytes.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +43,8 @@ pub struct Film {
     light_layers: Option<LightLayers>,
     /// Of each pixel, where there are shadow catchers.
     shadow_sums: Option<Vec<ShadowSums>>,
+    /// Of each pixel, where light is learnt.
+    learnt_sums: Option<Vec<LearntSums>>,
 }
 
 impl Film {
@@ -72,6 +76,7 @@ impl Film {
             ice_paths: None,
             light_layers: None,
             shadow_sums: None,
+            learnt_sums: None,
         })
     }
 
@@ -122,6 +127,15 @@ impl Film {
         Ok(self)
     }
 
+    /// The same film, empty of what is known of learnt light, that keeps it from now on.
+    ///
+    /// # Errors
+    /// More than memory.
+    pub fn keeping_learnt_light(mut self) -> Result<Self, FilmError> {
+        self.learnt_sums = Some(learnt_light::empty_sums(self.pixels.len())?);
+        Ok(self)
+    }
+
     /// A film of the same picture that keeps the same, without samples.
     ///
     /// # Errors
@@ -146,6 +160,9 @@ impl Film {
         }
         if self.shadow_sums.is_some() {
             film = film.keeping_shadow_catcher()?;
+        }
+        if self.learnt_sums.is_some() {
+            film = film.keeping_learnt_light()?;
         }
         Ok(film)
     }
@@ -172,6 +189,17 @@ impl Film {
         self.shadow_sums.as_deref_mut()
     }
 
+    /// How much light of each pixel was learnt, if it keeps that.
+    #[must_use]
+    pub fn learnt_sums(&self) -> Option<&[LearntSums]> {
+        self.learnt_sums.as_deref()
+    }
+
+    /// The same, to be filled by a reader of film files.
+    pub fn learnt_sums_mut(&mut self) -> Option<&mut [LearntSums]> {
+        self.learnt_sums.as_deref_mut()
+    }
+
     /// What it keeps beside the sums of its pixels.
     #[must_use]
     pub fn kept(&self) -> Kept {
@@ -179,6 +207,7 @@ impl Film {
             ice_paths: self.ice_paths.as_ref().map(IcePaths::layout),
             light_layers: self.light_layers.as_ref().map_or(0, |light| light.layers().count()),
             shadow_catcher: self.shadow_sums.is_some(),
+            learnt_light: self.learnt_sums.is_some(),
         }
     }
 
@@ -272,10 +301,7 @@ impl Film {
         }
         let mut samples = self.samples.clone();
         samples.insert_all(&other.samples)?;
-        let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
-        let layers = other.light_layers.as_ref().map_or(&[][..], LightLayers::sums);
-        let shadows = other.shadow_sums.as_deref().unwrap_or_default();
-        self.part_mut(other.crop).add_sums(&other.pixels, ice, layers, shadows)?;
+        self.part_mut(other.crop).add_sums(&other.sums())?;
         self.samples = samples;
         self.recipe = self.recipe.filter(|_| self.recipe == other.recipe);
         Ok(())
@@ -283,13 +309,21 @@ impl Film {
 
     /// Puts a film of a part of the crop into its place, where nothing is yet, and takes over its samples.
     pub(crate) fn place(&mut self, part: &Self) -> Result<(), FilmError> {
-        let ice = part.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
-        let layers = part.light_layers.as_ref().map_or(&[][..], LightLayers::sums);
-        let shadows = part.shadow_sums.as_deref().unwrap_or_default();
-        self.part_mut(part.crop).add_sums(&part.pixels, ice, layers, shadows)?;
+        self.part_mut(part.crop).add_sums(&part.sums())?;
         self.samples = part.samples.clone();
         self.recipe = self.recipe.filter(|_| self.recipe == part.recipe);
         Ok(())
+    }
+
+    /// All its sums.
+    fn sums(&self) -> Sums<'_> {
+        Sums {
+            pixels: &self.pixels,
+            ice: self.ice_paths.as_ref().map_or(&[][..], IcePaths::sums),
+            layers: self.light_layers.as_ref().map_or(&[][..], LightLayers::sums),
+            shadows: self.shadow_sums.as_deref().unwrap_or_default(),
+            learnt: self.learnt_sums.as_deref().unwrap_or_default(),
+        }
     }
 
     pub(crate) fn check_same_but_crop(&self, other: &Self) -> Result<(), FilmError> {
@@ -325,7 +359,9 @@ impl Film {
         };
         differ("layers of light", kept(self), kept(other))?;
         let kept = |film: &Self| film.shadow_sums.is_some().to_string();
-        differ("shadow catchers", kept(self), kept(other))
+        differ("shadow catchers", kept(self), kept(other))?;
+        let kept = |film: &Self| film.learnt_sums.is_some().to_string();
+        differ("learnt light", kept(self), kept(other))
     }
 
     /// The pixels of the crop as tiles of at most `side` x `side`, as [`PixelRect::tiles`] orders them,
@@ -350,6 +386,9 @@ impl Film {
         if let Some(shadows) = &mut self.shadow_sums {
             grid.deal(shadows, 1, &mut tiles, |tile, piece| tile.shadow_rows.push(piece));
         }
+        if let Some(learnt) = &mut self.learnt_sums {
+            grid.deal(learnt, 1, &mut tiles, |tile, piece| tile.learnt_rows.push(piece));
+        }
         tiles
     }
 
@@ -368,6 +407,9 @@ impl Film {
         }
         if let Some(shadows) = &mut self.shadow_sums {
             part.shadow_rows.extend(rows_of(shadows, 1, crop, rect));
+        }
+        if let Some(learnt) = &mut self.learnt_sums {
+            part.learnt_rows.extend(rows_of(learnt, 1, crop, rect));
         }
         part
     }

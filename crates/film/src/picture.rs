@@ -1,7 +1,8 @@
 //! A film read off: scene-linear layers of `f32`.
 
 use crate::{
-    CaughtLight, Film, FilmError, LightLayers, PixelRect, PixelSums, ShadowSums, SpectralLayer,
+    CaughtLight, Film, FilmError, LearntLight, LightLayers, PixelRect, PixelSums, ShadowSums,
+    SpectralLayer,
 };
 use snowgrain_optics::Primaries;
 
@@ -154,6 +155,8 @@ pub struct Picture {
     pub light_layers: Vec<LightLayer>,
     /// Where the film has shadow catchers, what they show (`lit`) and would show alone (`unoccluded`).
     pub shadow_layers: Vec<LightLayer>,
+    /// Where light was learnt, of each pixel how much ([`LearntLight`]).
+    pub learnt: Vec<LearntLight>,
     /// Vertical field of view of the whole picture, degrees, if known.
     pub vertical_fov_degrees: Option<f64>,
     /// What the colour layers are amounts of (albedos are of sRGB always).
@@ -183,6 +186,7 @@ impl Picture {
             spectrum: Vec::new(),
             light_layers: Vec::new(),
             shadow_layers: Vec::new(),
+            learnt: Vec::new(),
             vertical_fov_degrees: None,
             primaries: Primaries::default(),
             exposure_stops: 0.0,
@@ -223,6 +227,10 @@ impl Picture {
         }
         if let Some(shadows) = shadows {
             picture.shadow_layers = read_shadows(film, shadows)?;
+        }
+        if let Some(learnt) = film.learnt_sums() {
+            let of = |(sums, pixel): (_, &PixelSums)| LearntLight::of(sums, pixel.samples());
+            picture.learnt = learnt.iter().zip(film.pixels()).map(of).collect();
         }
         picture.vertical_fov_degrees = film.vertical_fov_degrees;
         picture.primaries = film.grade.primaries;

@@ -73,6 +73,7 @@ impl Picture {
         }
         picture.light_layers = layers;
         picture.remove_variance();
+        picture.learnt.clear();
         picture.primaries = grade.primaries;
         picture.exposure_stops = grade.exposure_stops;
         Ok(picture)

@@ -4,8 +4,8 @@ use crate::film::pixels_for;
 use crate::light_layers::LayerSums;
 use crate::pixel::add_all;
 use crate::{
-    FilmError, IcePathLayout, IcePaths, PixelRect, PixelSums, Sample, ShadowSums, ice_paths,
-    light_layers, shadow_catcher,
+    FilmError, IcePathLayout, IcePaths, LearntSums, PixelRect, PixelSums, Sample, ShadowSums,
+    ice_paths, learnt_light, light_layers, shadow_catcher,
 };
 
 /// What a film or tile keeps beside the sums of its pixels.
@@ -17,6 +17,8 @@ pub struct Kept {
     pub light_layers: usize,
     /// What shadow catchers show, if that.
     pub shadow_catcher: bool,
+    /// How much light was learnt, if that.
+    pub learnt_light: bool,
 }
 
 /// Exact sums of one rectangle of pixels, filled by one thread, then merged into a film.
@@ -29,6 +31,8 @@ pub struct FilmTile {
     layer_sums: Vec<LayerSums>,
     /// Of each pixel, if shadow catchers are kept.
     shadow_sums: Vec<ShadowSums>,
+    /// Of each pixel, if learnt light is kept.
+    learnt_sums: Vec<LearntSums>,
     kept: Kept,
 }
 
@@ -51,7 +55,8 @@ impl FilmTile {
         let ice_paths = kept.ice_paths.map(|layout| IcePaths::new(layout, count)).transpose()?;
         let layer_sums = light_layers::empty_sums(kept.light_layers, count)?;
         let shadow_sums = shadow_catcher::empty_sums(if kept.shadow_catcher { count } else { 0 })?;
-        Ok(Self { rect, pixels, ice_paths, layer_sums, shadow_sums, kept })
+        let learnt_sums = learnt_light::empty_sums(if kept.learnt_light { count } else { 0 })?;
+        Ok(Self { rect, pixels, ice_paths, layer_sums, shadow_sums, learnt_sums, kept })
     }
 
     /// Its pixels.
@@ -139,11 +144,32 @@ impl FilmTile {
             .map_err(|refused| refused.of(x, y))
     }
 
+    /// Adds what a sample learnt to a pixel, where that is kept: as [`FilmTileMut::add_learnt_light`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn add_learnt_light(
+        &mut self,
+        x: u32,
+        y: u32,
+        light: f32,
+        error: f32,
+    ) -> Result<(), FilmError> {
+        if !self.kept.learnt_light {
+            return Ok(());
+        }
+        let rect = self.rect;
+        let index = rect.index(x, y).ok_or(FilmError::OutsideTile { x, y, rect })?;
+        learnt_light::add(&mut self.learnt_sums[index], light, error)
+            .map_err(|refused| refused.of(x, y))
+    }
+
     /// Forgets all samples, to be used again.
     pub fn clear(&mut self) {
         self.pixels.fill(PixelSums::default());
         self.layer_sums.fill([0; 3]);
         self.shadow_sums.fill([0; 7]);
+        self.learnt_sums.fill([0; 2]);
         if let Some(ice) = &mut self.ice_paths {
             ice.sums_mut().fill(0);
         }
@@ -163,6 +189,8 @@ pub struct FilmTileMut<'a> {
     pub(crate) layer_rows: Vec<&'a mut [LayerSums]>,
     /// What shadow catchers show in them, where that is kept.
     pub(crate) shadow_rows: Vec<&'a mut [ShadowSums]>,
+    /// How much light was learnt in them, where that is kept.
+    pub(crate) learnt_rows: Vec<&'a mut [LearntSums]>,
 }
 
 impl FilmTileMut<'_> {
@@ -172,7 +200,9 @@ impl FilmTileMut<'_> {
         let ice_rows = Vec::with_capacity(if kept.ice_paths.is_some() { height } else { 0 });
         let layer_rows = Vec::with_capacity(if kept.light_layers > 0 { height } else { 0 });
         let shadow_rows = Vec::with_capacity(if kept.shadow_catcher { height } else { 0 });
-        Self { rect, kept, rows: Vec::with_capacity(height), ice_rows, layer_rows, shadow_rows }
+        let learnt_rows = Vec::with_capacity(if kept.learnt_light { height } else { 0 });
+        let rows = Vec::with_capacity(height);
+        Self { rect, kept, rows, ice_rows, layer_rows, shadow_rows, learnt_rows }
     }
 
     /// Its pixels.
@@ -200,6 +230,7 @@ impl FilmTileMut<'_> {
         copy_rows(&mut self.ice_rows, &other.ice_rows);
         copy_rows(&mut self.layer_rows, &other.layer_rows);
         copy_rows(&mut self.shadow_rows, &other.shadow_rows);
+        copy_rows(&mut self.learnt_rows, &other.learnt_rows);
     }
 
     /// The sums of pixel `(x, y)` of the picture; `None` outside the tile.
@@ -295,6 +326,30 @@ impl FilmTileMut<'_> {
             .map_err(|refused| refused.of(x, y))
     }
 
+    /// Adds what a sample learnt to pixel `(x, y)`, where that is kept: how much of its radiance that is, and its standard
+    /// error ([`crate::learnt_light`]). On an error nothing is added.
+    ///
+    /// # Errors
+    /// A pixel outside the tile; numbers that are none or leave the range of the sums.
+    pub fn add_learnt_light(
+        &mut self,
+        x: u32,
+        y: u32,
+        light: f32,
+        error: f32,
+    ) -> Result<(), FilmError> {
+        let rect = self.rect;
+        if !self.kept.learnt_light {
+            return Ok(());
+        }
+        if !rect.contains(x, y) {
+            return Err(FilmError::OutsideTile { x, y, rect });
+        }
+        let row = &mut self.learnt_rows[(y - rect.y0) as usize];
+        learnt_light::add(&mut row[(x - rect.x0) as usize], light, error)
+            .map_err(|refused| refused.of(x, y))
+    }
+
     /// Adds the sums of a tile of the same pixels that keeps the same; on an error nothing is added.
     ///
     /// # Errors
@@ -305,18 +360,18 @@ impl FilmTileMut<'_> {
     pub fn merge(&mut self, other: &FilmTile) -> Result<(), FilmError> {
         assert_eq!(self.rect, other.rect, "only tiles of the same pixels are merged");
         assert_eq!(self.kept, other.kept, "only tiles that keep the same are merged");
-        let ice = other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums);
-        self.add_sums(&other.pixels, ice, &other.layer_sums, &other.shadow_sums)
+        self.add_sums(&Sums {
+            pixels: &other.pixels,
+            ice: other.ice_paths.as_ref().map_or(&[][..], IcePaths::sums),
+            layers: &other.layer_sums,
+            shadows: &other.shadow_sums,
+            learnt: &other.learnt_sums,
+        })
     }
 
     /// Adds row-major sums of its pixels; on an error nothing is added.
-    pub(crate) fn add_sums(
-        &mut self,
-        pixels: &[PixelSums],
-        ice: &[i64],
-        layers: &[LayerSums],
-        shadows: &[ShadowSums],
-    ) -> Result<(), FilmError> {
+    pub(crate) fn add_sums(&mut self, sums: &Sums<'_>) -> Result<(), FilmError> {
+        let Sums { pixels, ice, layers, shadows, learnt } = *sums;
         let rect = self.rect;
         let overflow = |(row, column): (usize, usize)| FilmError::Overflow {
             x: rect.x0 + column as u32,
@@ -335,7 +390,11 @@ impl FilmTileMut<'_> {
         let added_shadows = shadows.chunks(width);
         let shadow_place =
             first_overflow(&self.shadow_rows, added_shadows.clone(), light_layers::overflow_of);
-        ice_place.or(layer_place).or(shadow_place).map_or(Ok(()), |place| Err(overflow(place)))?;
+        let added_learnt = learnt.chunks(width);
+        let learnt_place =
+            first_overflow(&self.learnt_rows, added_learnt.clone(), light_layers::overflow_of);
+        let place = ice_place.or(layer_place).or(shadow_place).or(learnt_place);
+        place.map_or(Ok(()), |place| Err(overflow(place)))?;
         add_rows(&mut self.rows, pixels.chunks(width)).map_err(overflow)?;
         for (row, added) in self.ice_rows.iter_mut().zip(added_ice) {
             row.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
@@ -344,11 +403,23 @@ impl FilmTileMut<'_> {
         let layers = layers.map(|(row, added)| (row.as_flattened_mut(), added.as_flattened()));
         let shadows = self.shadow_rows.iter_mut().zip(added_shadows);
         let shadows = shadows.map(|(row, added)| (row.as_flattened_mut(), added.as_flattened()));
-        for (row, added) in layers.chain(shadows) {
+        let learnt = self.learnt_rows.iter_mut().zip(added_learnt);
+        let learnt = learnt.map(|(row, added)| (row.as_flattened_mut(), added.as_flattened()));
+        for (row, added) in layers.chain(shadows).chain(learnt) {
             row.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
         }
         Ok(())
     }
+}
+
+/// Row-major sums of all pixels of a rectangle; none of what is not kept.
+#[derive(Clone, Copy)]
+pub(crate) struct Sums<'a> {
+    pub(crate) pixels: &'a [PixelSums],
+    pub(crate) ice: &'a [i64],
+    pub(crate) layers: &'a [LayerSums],
+    pub(crate) shadows: &'a [ShadowSums],
+    pub(crate) learnt: &'a [LearntSums],
 }
 
 /// Copies rows of the same lengths.

@@ -40,8 +40,7 @@ fn film(grade: &Grade, factors: [[f32; 3]; 3], keeps_ice: bool) -> Film {
     film.grade = grade.clone();
     let colours: Vec<IceColour> = grade.colours();
     let mut tile =
-        FilmTile::keeping(WHOLE, Kept { ice_paths, light_layers: 3, shadow_catcher: false })
-            .unwrap();
+        FilmTile::keeping(WHOLE, Kept { ice_paths, light_layers: 3, ..Kept::default() }).unwrap();
     for sample in 0..400u32 {
         let pixel = sample % 4;
         let glint = sample % 5 == 0;

@@ -16,7 +16,7 @@
 //! | 4 | layers of light; 0: they are not kept |
 //! | 4, 4 | bytes of the grade and of the names of the layers |
 //! | 4 | counts of samples by block ([`BlockCounts`]); 0: blocks do not differ |
-//! | 4 | 1: what shadow catchers show is kept; 0: it is not |
+//! | 4 | what else is kept, the sum of 1: what shadow catchers show, and 2: what is known of learnt light |
 //! | 32 | digest of what was asked for ([`Film::recipe`]); 0: not known |
 //! | so many | the grade, as TOML ([`grade`]) |
 //! | so many | the names of the layers, as TOML ([`layers`]) |
@@ -27,6 +27,7 @@
 //! | 768 each, for each spectrum | ice paths of the pixels ([`IcePaths::sums`]), signed, 8 bytes each |
 //! | 48 each, for each layer | layers of light of the pixels ([`LightLayers::sums`]), signed, 16 bytes each |
 //! | 112 each | what shadow catchers show in the pixels ([`Film::shadow_sums`]), signed, 16 bytes each |
+//! | 32 each | what is known of learnt light in the pixels ([`Film::learnt_sums`]), signed, 16 bytes each |
 //! | 32 | BLAKE3 of all bytes before |
 
 mod grade;
@@ -94,6 +95,8 @@ fn write(writer: &mut impl Write, film: &Film) -> io::Result<()> {
     write_sums(&mut writer, light, i128::to_le_bytes)?;
     let shadows = film.shadow_sums().unwrap_or_default().as_flattened();
     write_sums(&mut writer, shadows, i128::to_le_bytes)?;
+    let learnt = film.learnt_sums().unwrap_or_default().as_flattened();
+    write_sums(&mut writer, learnt, i128::to_le_bytes)?;
     let hash = writer.hasher.finalize();
     writer.stream.write_all(hash.as_bytes())
 }
@@ -150,6 +153,8 @@ fn read(reader: impl Read, length: u64) -> Result<Film, Fault> {
     read_sums(&mut reader, light.as_flattened_mut(), i128::from_le_bytes)?;
     let shadows = film.shadow_sums_mut().unwrap_or_default();
     read_sums(&mut reader, shadows.as_flattened_mut(), i128::from_le_bytes)?;
+    let learnt = film.learnt_sums_mut().unwrap_or_default();
+    read_sums(&mut reader, learnt.as_flattened_mut(), i128::from_le_bytes)?;
     let hash = reader.hasher.finalize();
     let mut written = [0; 32];
     reader.stream.read_exact(&mut written)?;
@@ -186,6 +191,9 @@ fn empty_film(reader: &mut impl Read, header: &Header) -> Result<Film, Fault> {
     }
     if header.shadow_catcher {
         film = film.keeping_shadow_catcher().map_err(film_fault)?;
+    }
+    if header.learnt_light {
+        film = film.keeping_learnt_light().map_err(film_fault)?;
     }
     film.grade = grade;
     film.recipe = header.recipe;
@@ -292,7 +300,8 @@ mod tests {
         let names = LightLayerNames::new(names, vec![0, 0]).unwrap();
         let film = Film::new(2, 2, crop, identity).unwrap().keeping_ice_paths(layout).unwrap();
         let film = film.keeping_light_layers(names).unwrap();
-        let mut film = film.keeping_shadow_catcher().unwrap();
+        let film = film.keeping_shadow_catcher().unwrap();
+        let mut film = film.keeping_learnt_light().unwrap();
         film.vertical_fov_degrees = Some(33.5);
         film.recipe = Some([7; 32]);
         film.grade = Grade {
@@ -306,11 +315,17 @@ mod tests {
             enhancement: 1.253_5,
             exposure_stops: -14.75 * length,
         };
-        let kept = Kept { ice_paths: Some(layout), light_layers: 2, shadow_catcher: true };
+        let kept = Kept {
+            ice_paths: Some(layout),
+            light_layers: 2,
+            shadow_catcher: true,
+            learnt_light: true,
+        };
         let mut tile = FilmTile::keeping(crop, kept).unwrap();
         let layers = [[0.5, -0.25, 1e9], [0.25, 0.0, -3.0]];
         tile.add_light_layers(0, 1, [0.75, -0.25, 999_999_997.0], &layers).unwrap();
         tile.add_caught_light(1, 1, [0.5; 3], [0.25, 1.0, -1e-3]).unwrap();
+        tile.add_learnt_light(0, 0, 0.5, 1e-3).unwrap();
         tile.add_ice_path(1, 0, length, &[[0.5, 0.25, -0.1], [40.0, 0.0, 3.0]]).unwrap();
         film.merge_tile(&tile).unwrap();
         film

@@ -34,6 +34,7 @@ mod hostile_tests;
 pub mod image;
 mod input;
 pub mod laboratory;
+mod learnt;
 mod mesh;
 mod optical_constants;
 mod ply;
@@ -53,6 +54,7 @@ pub use gltf::{
     ImportedProjection, ImportedScene, read_gltf,
 };
 pub use grains::{read_grains, write_grains};
+pub use learnt::{read_learnt, write_learnt};
 pub use mesh::{PlyContent, load_mesh, ply_content};
 pub use optical_constants::read_optical_constants;
 pub use sizes::read_sizes;

@@ -10,7 +10,7 @@ use crate::scene;
 use crate::transport::deep::DeepSettings;
 use core::f64::consts::PI;
 use snowgrain_accel::STRATA;
-use snowgrain_film::{IcePathLayout, PixelRect, PixelSums, ShadowSums};
+use snowgrain_film::{IcePathLayout, LearntSums, PixelRect, PixelSums, ShadowSums};
 use snowgrain_geometry::{Quantisation, QuantisedGrain, TriangleMesh, teapot::teapot};
 use snowgrain_grains::{
     Amount, Body, DepositRule, DepositSettings, FillSettings, ICE_DENSITY, LatticeCell,
@@ -56,6 +56,8 @@ const BYTES_PER_PLACED_TRIANGLE: f64 = size_of::<[[f32; 2]; 3]>() as f64;
 const BYTES_PER_OBJECT: f64 = 1024.0;
 /// Bytes a pixel of what shadow catchers show.
 const SHADOW_BYTES: u64 = size_of::<ShadowSums>() as u64;
+/// The same of what is known of learnt light.
+const LEARNT_BYTES: u64 = size_of::<LearntSums>() as u64;
 /// Bytes a pixel beside the sums: layers, and their encoding.
 const PICTURE_BYTES_PER_PIXEL: u64 = 180;
 /// Films alive at once: the film and the pass that is being added to it.
@@ -78,11 +80,12 @@ const SECONDS_PER_PATH: f64 = 12e-6;
 const SEARCHED_OVER_EXACT: f64 = 2.5;
 /// How much longer a path takes that is followed to its end than one that may end deep in the snow, at least.
 const EXACT_OVER_LEARNT: f64 = 2.0;
-/// Of a learnt cell: arrivals of a path that are noted, grains, its number and place, and each outcome.
-const NOTED_PER_PATH: u64 = 16;
-const GRAINS_PER_LEARNT_CELL: u64 = 14;
-const BYTES_PER_LEARNT_CELL: u64 = 80;
-const BYTES_PER_OUTCOME: u64 = 52;
+/// Of a path that is learnt from, its place and order; of learnt cells, how few paths there are to one, all sizes of
+/// cells together, its place, and each outcome.
+const BYTES_PER_LEARNT_PATH: u64 = 64;
+const PATHS_PER_LEARNT_CELL: u64 = 64;
+const BYTES_PER_LEARNT_CELL: u64 = 32;
+const BYTES_PER_OUTCOME: u64 = 56;
 /// Bytes a grain of the smoothed density that stands for it, while that is made.
 const BYTES_PER_SMOOTHED_GRAIN: u64 = 40;
 /// Pixels across and down that are asked whether they see the scene.
@@ -183,16 +186,15 @@ impl CostEstimate {
         cost
     }
 
-    /// Counts the learning of what light brings from deep in the snow: cells that hold about fourteen grains,
-    /// or fewer where not so many are met.
+    /// Counts the learning of what light brings from deep in the snow.
     fn add_deep(&mut self, description: &SceneDescription, settings: &DeepSettings) {
         let slots = slots_of(&description.lights, description.camera.backdrop).len() as u64;
-        let most = settings.learning_paths.saturating_mul(NOTED_PER_PATH);
-        let cells = (self.grains / GRAINS_PER_LEARNT_CELL).min(most);
+        let paths = settings.learning_paths;
         let strata = if description.strata.loads.is_empty() { 0 } else { STRATA as u64 };
-        let sums = BYTES_PER_LEARNT_CELL + slots * 16 * (6 + strata);
-        self.building_bytes = self.building_bytes.saturating_add(cells.saturating_mul(2 * sums));
-        self.surface_bytes += cells * (BYTES_PER_LEARNT_CELL + slots * BYTES_PER_OUTCOME);
+        let of_path = BYTES_PER_LEARNT_PATH + slots * 4 * (6 + strata);
+        self.building_bytes = self.building_bytes.saturating_add(paths.saturating_mul(2 * of_path));
+        let of_cell = BYTES_PER_LEARNT_CELL + slots * BYTES_PER_OUTCOME;
+        self.surface_bytes += paths / PATHS_PER_LEARNT_CELL * of_cell;
         self.build_seconds += settings.learning_paths as f64 * SECONDS_PER_PATH;
         self.render_seconds /= EXACT_OVER_LEARNT;
     }
@@ -227,7 +229,8 @@ impl CostEstimate {
         let layers = scene::light_layers(description, &slots).ok().flatten();
         let catches = |object: &ObjectDescription| object.direct_view == DirectView::ShadowCatcher;
         let shadows = if description.objects.iter().any(catches) { SHADOW_BYTES } else { 0 };
-        let layers = layers.map_or(0, |layers| layers.bytes()) + shadows;
+        let learnt = if description.deep.is_some() { LEARNT_BYTES } else { 0 };
+        let layers = layers.map_or(0, |layers| layers.bytes()) + shadows + learnt;
         if !description.film.keep_ice_paths {
             return layers;
         }

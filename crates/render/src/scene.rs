@@ -13,7 +13,7 @@ use crate::dispersion::{BandOptics, bands_of};
 use crate::light::{BACKDROP_GROUP, LightSlot, Lights, LitSurfaces, slots_of};
 use crate::scene_hash::{GrainDigest, hash_scene, recipe};
 use crate::surface::{Material, Place};
-use crate::transport::deep::OutcomeField;
+use crate::transport::deep::{LearntStore, OutcomeField};
 use crate::transport::medium::{Medium, ProxyInDepth};
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
@@ -82,8 +82,19 @@ pub struct BuildReport {
     pub grain_bytes: u64,
     /// Memory of the surfaces, bytes.
     pub surface_bytes: u64,
-    /// Cells and bytes of what light brings from deep in the snow, where that is learnt.
-    pub learnt: Option<(usize, u64)>,
+    /// What is learnt of light deep in the snow, where it is.
+    pub learnt: Option<LearntReport>,
+}
+
+/// What was learnt of light deep in the snow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearntReport {
+    /// Cells that are told apart.
+    pub cells: u64,
+    /// Memory that they take.
+    pub bytes: u64,
+    /// Relative standard error of the learnt light of the whole picture.
+    pub relative_error: f64,
 }
 
 /// Everything between a description and a picture.
@@ -153,6 +164,22 @@ impl Scene {
         level: SimdLevel,
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
+        Self::build_keeping(description, (level, None), stage)
+    }
+
+    /// As [`Self::build_at`]; what is learnt of light deep in the snow is taken from a store where it is there, and else
+    /// put there: the same scene.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    ///
+    /// # Panics
+    /// If the machine does not have the level.
+    pub fn build_keeping(
+        description: &SceneDescription,
+        (level, store): (SimdLevel, Option<LearntStore<'_>>),
+        stage: &mut dyn FnMut(BuildStage),
+    ) -> Result<Self, RenderError> {
         let slots = slots_of(&description.lights, description.camera.backdrop);
         let light_layers = light_layers(description, &slots)?;
         let is_glints = |name: &String| name == GLINTS;
@@ -165,6 +192,7 @@ impl Scene {
         let mut report = BuildReport::default();
         let Packed { grid, surfaces, digest, prototypes } =
             build_grid(description, (objects, &lit, level), &mut report, stage)?;
+        let hash = hash_scene(description, &digest);
         report.grains = grid.grains();
         report.grain_bytes = grid.memory_bytes();
         report.surface_bytes = surfaces.memory_bytes() as u64;
@@ -215,12 +243,28 @@ impl Scene {
         };
         let outcomes = description.deep.and_then(|settings| {
             stage(BuildStage::Deep);
-            let lights = (&lights, search.as_ref());
             let picture = ([film.width, film.height], film.seed);
-            let world = (&world, &*prototypes, &camera);
-            OutcomeField::learn(world, lights, &settings, picture, level)
+            let learn = || {
+                let (world, lights) = ((&world, &*prototypes, &camera), (&lights, search.as_ref()));
+                OutcomeField::learn(world, lights, &settings, picture, level)
+            };
+            let Some(store) = store else { return learn() };
+            let key = learnt_key(&hash, picture);
+            let kept = (store.load)(&key).and_then(|bytes| {
+                let world = (&world, &*prototypes, &lights);
+                OutcomeField::from_bytes(world, &settings, (&key, &bytes), level)
+            });
+            kept.or_else(|| {
+                let learnt = learn()?;
+                (store.save)(&key, &learnt.to_bytes(&key));
+                Some(learnt)
+            })
         });
-        report.learnt = outcomes.as_ref().map(|field| (field.cells(), field.memory_bytes()));
+        report.learnt = outcomes.as_ref().map(|field| LearntReport {
+            cells: field.cells() as u64,
+            bytes: field.memory_bytes(),
+            relative_error: field.relative_error(),
+        });
         let catchers_alone = match catchers::alone(description) {
             None => None,
             Some(alone) => {
@@ -230,7 +274,7 @@ impl Scene {
             }
         };
         Ok(Self {
-            hash: hash_scene(description, &digest),
+            hash,
             recipe: recipe(description),
             world,
             camera,
@@ -395,6 +439,16 @@ struct Packed {
     digest: GrainDigest,
     /// Of the shapes of grains, where these have any.
     prototypes: Arc<[Shape]>,
+}
+
+/// What tells learnt light from that of another scene, seed or picture.
+fn learnt_key(scene_hash: &[u8; 32], (size, seed): ([u32; 2], u64)) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(scene_hash).update(&seed.to_le_bytes());
+    size.iter().for_each(|along| {
+        hasher.update(&along.to_le_bytes());
+    });
+    *hasher.finalize().as_bytes()
 }
 
 /// One lattice alone needs no memory; everything else is packed grain by grain.

@@ -162,7 +162,7 @@ impl Case {
                 transport::PathEnd::Emitted { .. }
                 | transport::PathEnd::Absorbed
                 | transport::PathEnd::Enclosed
-                | transport::PathEnd::Deep => (None, [0.0; 3]),
+                | transport::PathEnd::Deep(_) => (None, [0.0; 3]),
             };
             let exact_direction = exact.escaped_direction();
             assert!(exact.end != PathEnd::Trapped);

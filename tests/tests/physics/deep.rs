@@ -69,7 +69,9 @@ fn learnt_light_is_as_bright_and_as_blue_as_exact_light() {
         "integrator.light=\"sampled\"",
         "integrator.calibration_paths=65536",
     ];
-    let cases: [(&str, Vec<&str>, u64, u64); 4] = [
+    let plates = "snow.shapes=[{ shape = \"hexagonal-plate\", aspect = 0.3 }]";
+    let cases: [(&str, Vec<&str>, u64, u64); 5] = [
+        ("plates", vec![plates], 128, 64),
         ("salt", vec!["material={ kind = \"salt\" }", "snow.density=826"], 512, 256),
         ("overcast", vec![], 1024, 512),
         ("soot", vec![soot], 512, 256),

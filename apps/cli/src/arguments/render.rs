@@ -89,6 +89,11 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) lod_error: Option<f64>,
 
+    /// Keeps what is learnt of light deep in the snow in this folder, and takes it from there when the same scene is
+    /// rendered again with the same seed: another part of it, more samples
+    #[arg(long, value_name = "DIR")]
+    pub(crate) learnt_cache: Option<PathBuf>,
+
     /// Gives each block of 16x16 pixels only as many samples as it needs for this relative error, as
     /// 0.05: the standard error of its pixels (root mean square) over their mean + 0.01. A pilot of 16
     /// samples, which the picture does not hold, finds how many; --spp (or the scene) says how many at

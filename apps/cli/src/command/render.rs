@@ -10,7 +10,7 @@ use super::pictures::Pictures;
 use crate::arguments::{PictureFile, PictureFormat, RenderArguments};
 use crate::budget::{Budget, readable_bytes};
 use crate::disk;
-use crate::failure::Failure;
+use crate::failure::{Failure, exit};
 use crate::load::{self, LoadedScene};
 use crate::output;
 use crate::process::Stopwatch;
@@ -26,9 +26,11 @@ use rayon::ThreadPool;
 use snowgrain_accel::SimdLevel;
 use snowgrain_denoise::Denoiser;
 use snowgrain_film::{Film, PixelRect};
-use snowgrain_formats::{atomic, scene};
+use snowgrain_formats::{atomic, read_learnt, scene, write_learnt};
 use snowgrain_render::description::{Packing, SceneDescription};
+use snowgrain_render::transport::deep::LearntStore;
 use snowgrain_render::{BuildStage, CostEstimate, RenderSettings, Scene, recipe};
+use std::path::Path;
 use std::time::Instant;
 use task::{Task, picture_of};
 
@@ -88,7 +90,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let pool = pool(&arguments.machine)?;
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
-    let (scene, times) = build(&loaded, &pool, level, &progress)?;
+    let learnt = learnt_folder(arguments)?;
+    let (scene, times) = build(&loaded, &pool, (level, learnt), &progress)?;
     let packing = description.packing.unwrap_or_default();
     refuse_camera_in_ice(&scene, &loaded)?;
     let settings = RenderSettings { samples, crop, level };
@@ -239,18 +242,36 @@ fn estimate(
     )
 }
 
+/// The folder where learnt light is kept, which is made where it is not there.
+fn learnt_folder(arguments: &RenderArguments) -> Result<Option<&Path>, Failure> {
+    let Some(folder) = &arguments.learnt_cache else { return Ok(None) };
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let what = format!("--learnt-cache {}: {error}; name a folder", folder.display());
+        Failure::new(exit::CANNOT_CREATE, what)
+    })?;
+    Ok(Some(folder))
+}
+
 /// Lets the snow fall and packs it.
 fn build(
     loaded: &LoadedScene,
     pool: &ThreadPool,
-    level: SimdLevel,
+    (level, learnt): (SimdLevel, Option<&Path>),
     progress: &Progress,
 ) -> Result<(Scene, BuildTimes), Failure> {
     let mut times = BuildTimes::default();
     let mut running: Option<(BuildStage, Stopwatch)> = None;
     let snow = &loaded.description.snow;
     let built = pool.install(|| {
-        Scene::build_at(&loaded.description, level, &mut |stage| {
+        let mut load = |key: &[u8; 32]| read_learnt(learnt?, key);
+        let mut save = |key: &[u8; 32], bytes: &[u8]| {
+            let Some(folder) = learnt else { return };
+            if let Err(error) = write_learnt(folder, key, bytes) {
+                progress.note(&format!("what was learnt is not kept: {error}"));
+            }
+        };
+        let store = learnt.map(|_| LearntStore { load: &mut load, save: &mut save });
+        Scene::build_keeping(&loaded.description, (level, store), &mut |stage| {
             if let Some((ended, watch)) = running.replace((stage, Stopwatch::start())) {
                 times.book(ended, watch.spent());
             }

@@ -4,6 +4,7 @@
 
 mod cameras;
 mod colours;
+mod deep;
 mod develop;
 mod errors;
 #[cfg(unix)]

@@ -20,6 +20,11 @@ const HASH_BYTES: u64 = 32;
 const LAYER_BYTES: u64 = 48;
 /// Bytes of what shadow catchers show in one pixel.
 const SHADOW_BYTES: u64 = 112;
+/// Bytes of what is known of learnt light in one pixel.
+const LEARNT_BYTES: u64 = 32;
+/// Bits that say what else is kept.
+const KEEPS_SHADOWS: u32 = 1;
+const KEEPS_LEARNT: u32 = 2;
 
 /// The head of a film file.
 pub(super) struct Header {
@@ -36,6 +41,7 @@ pub(super) struct Header {
     /// Blocks that have counts of samples.
     pub(super) block_counts: u32,
     pub(super) shadow_catcher: bool,
+    pub(super) learnt_light: bool,
     pub(super) recipe: Option<[u8; 32]>,
 }
 
@@ -56,6 +62,7 @@ impl Header {
             layers_bytes: length(layers.len())?,
             block_counts: length(film.block_counts().map_or(0, |counts| counts.counts().len()))?,
             shadow_catcher: film.kept().shadow_catcher,
+            learnt_light: film.kept().learnt_light,
             recipe: film.recipe,
         })
     }
@@ -74,8 +81,9 @@ impl Header {
         writer.write_all(&scale.to_le_bytes())?;
         writer.write_all(&self.vertical_fov_degrees.unwrap_or(0.0).to_le_bytes())?;
         let Self { light_layers, grade_bytes, layers_bytes, block_counts, .. } = *self;
-        let shadows = u32::from(self.shadow_catcher);
-        let lengths = [light_layers, grade_bytes, layers_bytes, block_counts, shadows];
+        let bit = |is_kept: bool, bit: u32| if is_kept { bit } else { 0 };
+        let kept = bit(self.shadow_catcher, KEEPS_SHADOWS) | bit(self.learnt_light, KEEPS_LEARNT);
+        let lengths = [light_layers, grade_bytes, layers_bytes, block_counts, kept];
         lengths.iter().try_for_each(|number| writer.write_all(&number.to_le_bytes()))?;
         writer.write_all(&self.recipe.unwrap_or_default())
     }
@@ -101,7 +109,7 @@ impl Header {
         let scale_exponent = i32::from_le_bytes(array(reader)?);
         let vertical_fov = f64::from_le_bytes(array(reader)?);
         let mut number = || array(reader).map(u32::from_le_bytes);
-        let header = Self {
+        let mut header = Self {
             width,
             height,
             crop,
@@ -115,9 +123,14 @@ impl Header {
             grade_bytes: number()?,
             layers_bytes: number()?,
             block_counts: number()?,
-            shadow_catcher: number()? != 0,
-            recipe: Some(array(reader)?).filter(|recipe| *recipe != [0; 32]),
+            shadow_catcher: false,
+            learnt_light: false,
+            recipe: None,
         };
+        let kept = number()?;
+        header.shadow_catcher = kept & KEEPS_SHADOWS != 0;
+        header.learnt_light = kept & KEEPS_LEARNT != 0;
+        header.recipe = Some(array(reader)?).filter(|recipe| *recipe != [0; 32]);
         header.check_length(length)?;
         Ok(header)
     }
@@ -132,7 +145,8 @@ impl Header {
         let pixel_bytes = PixelSums::BYTES as u64
             + self.ice_paths.map_or(0, IcePathLayout::bytes)
             + u64::from(self.light_layers) * LAYER_BYTES
-            + u64::from(self.shadow_catcher) * SHADOW_BYTES;
+            + u64::from(self.shadow_catcher) * SHADOW_BYTES
+            + u64::from(self.learnt_light) * LEARNT_BYTES;
         let area = self.crop.area();
         let expected = u128::from(fixed) + u128::from(area) * u128::from(pixel_bytes);
         if expected == u128::from(length) {

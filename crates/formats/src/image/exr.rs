@@ -31,7 +31,7 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers};
-use snowgrain_film::{Layer, Picture, PixelRect, Provenance, SpectralLayer};
+use snowgrain_film::{Layer, LearntLight, Picture, PixelRect, Provenance, SpectralLayer};
 use snowgrain_optics::Primaries;
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -78,7 +78,13 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
             channel(&format!("ShadowCatcher.{}.{component}", layer.name), values)
         })
     });
-    let channels = layers.chain(spectral).chain(light).chain(shadows).collect();
+    let learnt: [(&str, fn(&LearntLight) -> f64); 2] =
+        [("Learnt.light", |learnt| learnt.light), ("Learnt.error", |learnt| learnt.error)];
+    let learnt = learnt.into_iter().filter(|_| !picture.learnt.is_empty()).map(|(name, value)| {
+        let values: Vec<f32> = picture.learnt.iter().map(|of| value(of) as f32).collect();
+        channel(name, &values)
+    });
+    let channels = layers.chain(spectral).chain(light).chain(shadows).chain(learnt).collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));

@@ -159,7 +159,6 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         let mend = "needs snow of source \"pack\" or \"fill\" alone, of spheres with the same settings, without mask, density_map, shapes or impurities of its own; remove it";
         return Err(checks.bad("integrator.tiled", mend));
     }
-    deep::refuse_shapes(&checks, &scene)?;
     roads::refuse_beyond(&checks, &scene)?;
     Ok(scene)
 }

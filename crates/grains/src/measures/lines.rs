@@ -2,9 +2,12 @@
 
 use super::bodies::{Bodies, Body};
 use crate::GrainField;
+use core::f64::consts::{LN_2, LN_10};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{Aabb, DVec3};
 
+/// Times the median of all gaps from which the one that a tenth of the gaps tell says that grains are in clumps.
+const CLUMPED: f64 = 2.0;
 /// Most lines along each side of the pack's box.
 const MOST_LINES: f64 = 1024.0;
 
@@ -139,6 +142,9 @@ impl Lines {
     }
 
     /// Median of the gaps between grains along lines; 0 where there is none.
+    ///
+    /// Where grains hang together in clumps most gaps are within those. Then it is the median of gaps that are distributed
+    /// exponentially, as among grains at random places, and of which a tenth are as long as a tenth of these.
     pub(super) fn median_gap(&self) -> f64 {
         let mut gaps = Vec::new();
         for (_, chords) in self.each() {
@@ -153,8 +159,13 @@ impl Lines {
         if gaps.is_empty() {
             return 0.0;
         }
-        let middle = gaps.len() / 2;
-        *gaps.select_nth_unstable_by(middle, f64::total_cmp).1
+        let mut quantile = |part: f64| {
+            let index = (part * gaps.len() as f64) as usize;
+            *gaps.select_nth_unstable_by(index, f64::total_cmp).1
+        };
+        let (median, long) = (quantile(0.5), quantile(0.9));
+        let of_clumps = long * LN_2 / LN_10;
+        if of_clumps > CLUMPED * median { of_clumps } else { median }
     }
 }
 

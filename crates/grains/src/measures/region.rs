@@ -15,8 +15,9 @@ const LEAST_DEPTH_RADII: f64 = 8.0;
 /// Snow is light and thin where the median gap exceeds two largest radii and a line meets fewer grains than
 /// this: then lines are put together to patches ...
 const FEW_CHORDS: f64 = 24.0;
-/// ... that meet about so many.
-const CHORDS_OF_PATCH: f64 = 400.0;
+/// ... that meet about so many: wide enough that the hollows between clumps of grains, which are open to the sky, count as
+/// snow.
+const CHORDS_OF_PATCH: f64 = 4000.0;
 /// Part of the lines of a patch of thin snow that must meet it.
 const LEAST_MET: f64 = 0.3;
 

@@ -225,7 +225,7 @@ impl PathSource for SlabSource<'_> {
                 let face = if up { settings.top } else { settings.bottom };
                 beyond = (ray.origin.y - face) / ray.direction.y;
             }
-            PathEnd::Emitted { .. } | PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => {}
+            PathEnd::Emitted { .. } | PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep(_) => {}
         }
         sums.trapped += u64::from(path.releases > 0);
         sums.reflected.add(reflected);

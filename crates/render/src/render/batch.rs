@@ -3,7 +3,7 @@
 use super::caught::Caught;
 use crate::Scene;
 use crate::statistics::Statistics;
-use crate::transport::{Contribution, PathEnd, PathResult};
+use crate::transport::{Contribution, Learnt, PathEnd, PathResult};
 use snowgrain_accel::STRATA;
 use snowgrain_film::{LightLayerNames, Sample};
 
@@ -22,6 +22,8 @@ pub(super) struct Batch {
     weights: Vec<[f32; 3]>,
     /// Those that met a shadow catcher first.
     pub(super) caught: Vec<Caught>,
+    /// Of those that ended with what was learnt: pixel, that light, its standard error.
+    pub(super) learnt: Vec<((u32, u32), f32, f32)>,
     /// Of the path at hand the light of each slot.
     lights: Vec<[f32; 3]>,
     /// Of the path at hand the light that was found, by layer where layers are kept.
@@ -42,7 +44,7 @@ impl Batch {
         let first_layer = self.layers.len();
         self.layers.resize(first_layer + layers.map_or(0, LightLayerNames::count), [0.0; 3]);
         if scene.finds_on_the_way() && path.first_hit.is_some() {
-            return self.add_found((scene, band), pixel, first_layer, found);
+            return self.add_found((scene, band), pixel, first_layer, (found, path.end));
         }
         self.lights.clear();
         self.lights.resize(scene.lights.slots().len(), [0.0; 3]);
@@ -59,7 +61,7 @@ impl Batch {
                 scene.lights.add_emission(light, &mut self.lights);
                 path.ice_length
             }
-            (PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep, _) => return [0.0; 3],
+            (PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep(_), _) => return [0.0; 3],
         };
         let mut radiance = [0.0; 3];
         for (slot, light) in self.lights.iter().enumerate() {
@@ -88,24 +90,37 @@ impl Batch {
         (scene, band): (&Scene, usize),
         pixel: (u32, u32),
         first_layer: usize,
-        found: &[Contribution],
+        (found, end): (&[Contribution], PathEnd),
     ) -> [f32; 3] {
         // In double precision, so that the layers add up to the whole in single.
         self.sums.clear();
         self.sums.resize((self.layers.len() - first_layer).max(1), [0.0; 3]);
-        for &Contribution { slot, glint, weight, ice_length, ref ice_in_strata, .. } in found {
+        let (first_learnt, relative_error) = match end {
+            PathEnd::Deep(Learnt { first, relative_error }) => (first, relative_error),
+            _ => (usize::MAX, 0.0),
+        };
+        let mut learnt = 0.0;
+        for (index, contribution) in found.iter().enumerate() {
+            let &Contribution { slot, glint, weight, ice_length, ref ice_in_strata, .. } =
+                contribution;
             let seen = colour_of((scene, band), slot, weight, ice_length, ice_in_strata);
             let layer = scene.light_layers.as_ref().map_or(0, |layers| {
                 let own = layers.layer_of_slot()[slot] as usize;
                 scene.glint_layer.filter(|_| glint).unwrap_or(own)
             });
             self.sums[layer].iter_mut().zip(seen).for_each(|(sum, seen)| *sum += f64::from(seen));
+            if index >= first_learnt {
+                learnt += f64::from(seen.iter().sum::<f32>()) / 3.0;
+            }
             if scene.film.keep_ice_paths {
                 let slots = scene.lights.slots().len();
                 let weights = (0..slots).map(|other| if other == slot { weight } else { [0.0; 3] });
                 self.weights.extend(weights);
                 self.lengths.push((pixel, ice_length));
             }
+        }
+        if first_learnt < usize::MAX {
+            self.learnt.push((pixel, learnt as f32, (learnt * relative_error) as f32));
         }
         for (layer, sum) in self.layers[first_layer..].iter_mut().zip(&self.sums) {
             *layer = sum.map(|channel| channel as f32);
@@ -135,6 +150,7 @@ impl Batch {
         self.lengths.clear();
         self.weights.clear();
         self.caught.clear();
+        self.learnt.clear();
         self.statistics = Statistics::default();
     }
 }

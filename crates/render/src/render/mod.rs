@@ -160,6 +160,9 @@ pub fn empty_film(
     if scene.catchers_alone.is_some() {
         film = film.keeping_shadow_catcher()?;
     }
+    if scene.outcomes.is_some() {
+        film = film.keeping_learnt_light()?;
+    }
     if let Some(counts) = counts {
         film = film.with_block_counts(counts)?;
     }

@@ -47,6 +47,7 @@ impl<'a> TileSums<'a> {
         self.settle(complete)?;
         let mut ice_paths = batch.ice_paths();
         let mut caught = batch.caught.iter();
+        let mut learnt = batch.learnt.iter();
         if pass == 0 {
             self.statistics.add(&batch.statistics);
             let film = &mut self.base;
@@ -56,6 +57,9 @@ impl<'a> TileSums<'a> {
             })?;
             caught.try_for_each(|&Caught { pixel: (x, y), lit, unoccluded, .. }| {
                 film.add_caught_light(x, y, lit, unoccluded)
+            })?;
+            learnt.try_for_each(|&((x, y), light, error)| {
+                film.add_learnt_light(x, y, light, error)
             })?;
             return ice_paths.try_for_each(|((x, y), length, weights)| {
                 film.add_ice_path(x, y, length, weights)
@@ -71,6 +75,7 @@ impl<'a> TileSums<'a> {
         caught.try_for_each(|&Caught { pixel: (x, y), lit, unoccluded, .. }| {
             film.add_caught_light(x, y, lit, unoccluded)
         })?;
+        learnt.try_for_each(|&((x, y), light, error)| film.add_learnt_light(x, y, light, error))?;
         ice_paths.try_for_each(|((x, y), length, weights)| film.add_ice_path(x, y, length, weights))
     }
 

@@ -55,10 +55,19 @@ pub enum PathEnd {
     /// A surface absorbed it, or roulette ended it.
     Absorbed,
     /// It ended deep in the snow, with what other paths brought from there ([`deep`]).
-    Deep,
+    Deep(Learnt),
     /// It bounced [`MAX_BOUNCES_WITHOUT_LOSS`] times off objects that absorb nothing: they enclose it,
     /// and it would go on for ever. A scene where this happens is refused.
     Enclosed,
+}
+
+/// What of the light that was found along a path is what others brought.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Learnt {
+    /// The contributions from this one on.
+    pub first: usize,
+    /// Standard error of their sum, relative.
+    pub relative_error: f64,
 }
 
 /// What a path met first.

@@ -4,8 +4,8 @@ use super::deep::Deep;
 use super::medium::ProxyInDepth;
 use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
-    Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
-    ROULETTE_THRESHOLD,
+    Contribution, FirstHit, Learnt, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult,
+    PathSource, ROULETTE_THRESHOLD,
 };
 use crate::World;
 use crate::description::DirectView;
@@ -389,7 +389,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
             PathEnd::Emitted { light, position, normal, direction } => {
                 Some(Met::Surface { light, position, normal, direction })
             }
-            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => None,
+            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep(_) => None,
         };
         let found = match (&mut self.search, &self.deep) {
             (None, None) => return source.finish(walker.tag, &result),
@@ -449,7 +449,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
             ..self.flight.travelled(visit.lane)
         };
         let in_strata = visit.ice_in_strata.map(|length| f64::from(length) * quantum);
-        let (walker, result) = self.result(visit.lane, PathEnd::Deep, travelled, in_strata);
+        let end = PathEnd::Deep(Learnt::default());
+        let (walker, mut result) = self.result(visit.lane, end, travelled, in_strata);
         let Some(Deep::HandOver(field)) = &self.deep else { return };
         let found = match &mut self.search {
             Some(search) => &mut search.trails[visit.lane].contributions,
@@ -458,7 +459,9 @@ impl<Tag: Copy> Walk<'_, Tag> {
                 &mut self.found
             }
         };
-        field.outcome(visit, walker.throughput, quantum, found);
+        let first = found.len();
+        let relative_error = field.outcome(visit, walker.throughput, quantum, found);
+        result.end = PathEnd::Deep(Learnt { first, relative_error });
         source.finish_with_light(walker.tag, &result, found);
     }
 

@@ -3,7 +3,6 @@
 use super::checks::Checks;
 use crate::scene::SceneError;
 use crate::scene::document::DeepName;
-use snowgrain_render::description::SceneDescription;
 use snowgrain_render::transport::deep::DeepSettings;
 use snowgrain_render::transport::medium::ProxyStart;
 
@@ -75,16 +74,3 @@ pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneErro
 
 /// Indices of grains, relative to what is between them, of which the calibration of the proxy is known: ice in air.
 pub(super) const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
-
-/// Refuses to learn of grains with shapes: by their own shadow and asymmetry plates came out .8 to 1.9 % too bright, beyond the
-/// error that is promised.
-pub(super) fn refuse_shapes(
-    checks: &Checks<'_>,
-    scene: &SceneDescription,
-) -> Result<(), SceneError> {
-    if scene.deep.is_some() && scene.has_shapes() {
-        let mend = "is for spheres alone so far, and some grains have shapes; use \"exact\" (--lod-error 0)";
-        return Err(checks.bad("integrator.deep", mend));
-    }
-    Ok(())
-}

@@ -222,7 +222,6 @@ fn light_deep_in_the_snow_is_learnt_as_an_error_asks() {
     for (sets, expected) in [
         (["integrator.lod_error=0.01", "film.seed=1"], "needs integrator.deep = \"learnt\""),
         ([learnt, "integrator.lod_error=0.0001"], "must be from 0.001 to 1"),
-        ([learnt, "snow.shapes=[{ shape = \"cube\" }]"], "is for spheres alone so far"),
         ([learnt, "integrator.lod_error=2"], "must be from 0.001 to 1"),
         ([learnt, "integrator.deep_depth=-1"], "must be from 0 to 20"),
         ([learnt, "integrator.learning_paths=5"], "must be a whole number from 1024 to 1e9"),

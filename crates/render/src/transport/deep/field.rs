@@ -2,13 +2,13 @@
 
 use super::DeepSettings;
 use super::levels::Levels;
-use super::outcome::Outcome;
 use super::samples::Samples;
 use super::scale::Scale;
 use crate::light::Lights;
 use crate::transport::Contribution;
 use crate::world::World;
-use snowgrain_accel::{ArrivalFrom, GrainVisit, Interior};
+use snowgrain_accel::{ArrivalFrom, GrainVisit, Interior, STRATA, SimdLevel};
+use snowgrain_geometry::Shape;
 use snowgrain_math::DVec3;
 
 /// What paths bring from each place deep in the snow on. See the module's page.
@@ -49,10 +49,42 @@ impl OutcomeField {
         })
     }
 
+    /// Samples of its slots and strata, none yet.
+    pub(super) fn no_samples(&self) -> Samples {
+        Samples::new(self.slots, if self.has_strata { STRATA } else { 0 })
+    }
+
     /// The same with what paths brought; `None` where none of them came by.
     pub(super) fn learnt(mut self, samples: &Samples) -> Option<Self> {
-        self.levels = Levels::of(samples, &self.interior).finished();
+        self.levels = Levels::of(samples);
         (samples.len() > 0).then_some(self)
+    }
+
+    /// What was learnt, as bytes under a key ([`super::LearntStore`]).
+    #[must_use]
+    pub fn to_bytes(&self, key: &[u8; 32]) -> Vec<u8> {
+        self.levels.to_bytes(key)
+    }
+
+    /// The same as [`Self::learn`] gives, of such bytes; `None` where they are damaged, of another key or of other lights.
+    #[must_use]
+    pub fn from_bytes(
+        (world, prototypes, lights): (&World, &[Shape], &Lights),
+        settings: &DeepSettings,
+        (key, bytes): (&[u8; 32], &[u8]),
+        level: SimdLevel,
+    ) -> Option<Self> {
+        let levels = Levels::from_bytes(key, bytes)?;
+        let scale = Scale::of(world, prototypes, level)?;
+        let field = Self::unlearnt(world, lights, settings, scale)?;
+        (levels.slots == field.slots).then_some(Self { levels, ..field })
+    }
+
+    /// Relative standard error of all that is learnt together: by so much the mean of the learnt light of a whole picture
+    /// may be off.
+    #[must_use]
+    pub fn relative_error(&self) -> f64 {
+        self.levels.relative_error()
     }
 
     /// Whether an arrival is deep in the snow.
@@ -68,25 +100,30 @@ impl OutcomeField {
         self.interior.coordinates(visit.center) + direction * self.ahead
     }
 
-    /// What a path of this throughput that ends at an arrival deep in the snow brings.
+    /// Adds what a path of this throughput that ends at an arrival deep in the snow brings; gives its relative standard
+    /// error.
     pub(crate) fn outcome(
         &self,
         visit: &GrainVisit,
         throughput: [f32; 3],
         quantum: f64,
         found: &mut Vec<Contribution>,
-    ) {
-        let around = self.levels.around(&self.interior, self.place(visit));
+    ) -> f64 {
+        let around = self.levels.around(self.place(visit));
         let length = f64::from(visit.ice_length) * quantum;
         let in_strata = visit.ice_in_strata.map(|length| f64::from(length) * quantum);
+        let mean = f64::from(throughput.iter().sum::<f32>()) / 3.0;
+        let (mut light, mut variance) = (0.0, 0.0);
         for slot in 0..self.slots {
-            let mut outcome = Outcome::default();
-            for (number, weight) in around.iter() {
-                outcome.add(&self.levels.outcomes(number)[slot], weight);
-            }
+            let outcome = self.levels.outcome(&around, slot);
             let about = (slot, visit.event, self.unit);
+            let weights = outcome.weight.iter().zip(throughput);
+            light += weights.map(|(weight, part)| f64::from(weight * part)).sum::<f64>() / 3.0;
+            let error = mean * f64::from(outcome.standard_error);
+            variance += error * error;
             found.extend(outcome.contributions(about, throughput, (length, in_strata)));
         }
+        if light > 0.0 { variance.sqrt() / light } else { 0.0 }
     }
 
     /// Number of cells that are learnt.

@@ -1,7 +1,7 @@
 //! Learning what paths bring.
 
 use super::field::OutcomeField;
-use super::levels::Cell;
+use super::outcome::PARTS;
 use super::samples::Samples;
 use super::scale::Scale;
 use super::{Deep, DeepSettings};
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use snowgrain_accel::flight::LANES;
 use snowgrain_accel::{GrainVisit, STRATA, SimdLevel};
 use snowgrain_geometry::Shape;
-use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::DVec3;
 use std::ops::Range;
 
 /// Paths of one task.
@@ -24,66 +24,50 @@ const TASK: u64 = 1 << 13;
 const MOST_TIMES: f64 = 64.0;
 /// What tells their random numbers from those of the picture.
 const STREAM: u64 = 0xdee9_1ea4_7000_0000;
-/// One arrival in so many is kept: those of a path all bring nearly the same.
-const ARRIVALS_PER_SAMPLE: f32 = 16.0;
-/// What tells the random numbers that choose them.
-const CHOICE: u32 = 0xc401_ce00;
 
-/// An arrival deep in the snow of a path that goes on.
+/// The first arrival deep in the snow of a path that goes on.
 #[derive(Clone, Copy)]
-struct Vertex {
-    /// The coarse cell where it counts.
-    cell: Cell,
+struct Arrival {
+    /// Where it counts, in coarse cells.
+    place: DVec3,
     event: u32,
     throughput: [f32; 3],
     ice_length: f64,
     ice_in_strata: [f64; STRATA],
 }
 
-/// Notes arrivals, and learns what followed.
+/// Notes where paths would end, and learns what they bring from there.
 pub(crate) struct Learner<'a> {
     pub(in crate::transport) field: &'a OutcomeField,
     quantum: f64,
     /// Of each lane.
-    vertices: Vec<Vec<Vertex>>,
-    /// What a lane found, while its path ends.
-    order: Vec<usize>,
+    arrivals: [Option<Arrival>; LANES],
     samples: Samples,
 }
 
 impl<'a> Learner<'a> {
     fn new(field: &'a OutcomeField, quantum: f64) -> Self {
-        let strata = if field.has_strata { STRATA } else { 0 };
-        Self {
-            field,
-            quantum,
-            vertices: vec![Vec::new(); LANES],
-            order: Vec::new(),
-            samples: Samples::new(field.slots, strata),
-        }
+        Self { field, quantum, arrivals: [None; LANES], samples: field.no_samples() }
     }
 
     /// A new path begins in a lane.
     pub(in crate::transport) fn begin(&mut self, lane: usize) {
-        self.vertices[lane].clear();
+        self.arrivals[lane] = None;
     }
 
     pub(in crate::transport) fn relocate(&mut self, from: usize, to: usize) {
-        self.vertices.swap(from, to);
+        self.arrivals.swap(from, to);
     }
 
-    /// A path arrives deep in the snow.
+    /// A path arrives at a grain.
     pub(in crate::transport) fn note(&mut self, visit: &GrainVisit, state: &PathState) {
-        let PathState { key, throughput } = *state;
-        let key = PathKey { lo: key.lo ^ CHOICE, ..key };
-        let chosen = numbers(key, visit.event)[0] * ARRIVALS_PER_SAMPLE < 1.0;
-        if !chosen || throughput.contains(&0.0) || !self.field.is_deep(visit) {
+        if self.arrivals[visit.lane].is_some() || !self.field.is_deep(visit) {
             return;
         }
-        self.vertices[visit.lane].push(Vertex {
-            cell: self.field.place(visit).floor().as_ivec3().to_array(),
+        self.arrivals[visit.lane] = Some(Arrival {
+            place: self.field.place(visit),
             event: visit.event,
-            throughput,
+            throughput: state.throughput,
             ice_length: f64::from(visit.ice_length) * self.quantum,
             ice_in_strata: visit.ice_in_strata.map(|length| f64::from(length) * self.quantum),
         });
@@ -91,64 +75,29 @@ impl<'a> Learner<'a> {
 
     /// A path has ended, with the light that it found.
     pub(in crate::transport) fn learn(&mut self, lane: usize, found: &[Contribution]) {
-        self.order.clear();
-        self.order.extend(0..found.len());
-        self.order.sort_by_key(|&index| std::cmp::Reverse(found[index].event));
-        let mut rest = self.order.iter().map(|&index| &found[index]).peekable();
-        let mut running = vec![Running::default(); self.field.slots];
-        for vertex in self.vertices[lane].iter().rev() {
-            while let Some(light) = rest.next_if(|light| light.event >= vertex.event) {
-                running[light.slot].add(light, self.field.unit);
-            }
-            let unit = self.field.unit;
-            self.samples.push(vertex.cell, running.iter().map(|light| light.since(vertex, unit)));
+        let Some(arrival) = self.arrivals[lane].take() else { return };
+        let mut brought = vec![[0.0; PARTS]; self.field.slots];
+        for light in found.iter().filter(|light| light.event >= arrival.event) {
+            arrival.add(&mut brought[light.slot], light, self.field.unit);
         }
-        self.vertices[lane].clear();
+        self.samples.push(arrival.place, arrival.throughput, brought.into_iter());
     }
 }
 
-/// Light found from the end of a path back to some arrival.
-#[derive(Clone, Copy, Default)]
-struct Running {
-    weight: [f64; 3],
-    /// Sum of the channels, times each power of the length from 0 to 3.
-    powers: [f64; 4],
-    in_strata: [f64; STRATA],
-}
-
-impl Running {
-    fn add(&mut self, light: &Contribution, unit: f64) {
+impl Arrival {
+    /// Adds light that was found from there on to the parts of an outcome, lengths in a unit.
+    fn add(&self, parts: &mut [f64; PARTS], light: &Contribution, unit: f64) {
         let weight = light.weight.map(f64::from);
         let total: f64 = weight.iter().sum();
-        self.weight.iter_mut().zip(weight).for_each(|(sum, weight)| *sum += weight);
-        let length = light.ice_length / unit;
-        let mut power = total;
-        for sum in &mut self.powers {
-            *sum += power;
-            power *= length;
-        }
-        for (sum, length) in self.in_strata.iter_mut().zip(light.ice_in_strata) {
-            *sum += total * length / unit;
-        }
-    }
-
-    /// Light relative to the throughput at an arrival; powers of the length from there on.
-    fn since(&self, vertex: &Vertex, unit: f64) -> ([f64; 3], [f64; 3], [f64; STRATA]) {
-        let weight: [f64; 3] =
-            std::array::from_fn(|c| self.weight[c] / f64::from(vertex.throughput[c]));
-        let [s0, s1, s2, s3] = self.powers;
-        if s0 <= 0.0 {
-            return (weight, [0.0; 3], [0.0; STRATA]);
-        }
-        let scale = weight.iter().sum::<f64>() / s0;
-        let l = vertex.ice_length / unit;
-        let first = s1 - l * s0;
-        let second = s2 - l * (2.0 * s1 - l * s0);
-        let third = s3 - l * (3.0 * s2 - l * (3.0 * s1 - l * s0));
-        let strata = std::array::from_fn(|s| {
-            (self.in_strata[s] - s0 * vertex.ice_in_strata[s] / unit).max(0.0) * scale
-        });
-        (weight, [first, second, third].map(|sum| sum.max(0.0) * scale), strata)
+        let length = ((light.ice_length - self.ice_length) / unit).max(0.0);
+        let powers = [length, length * length, length * length * length];
+        let strata = light.ice_in_strata.iter().zip(self.ice_in_strata);
+        let in_strata = strata.map(|(&length, before)| (length - before).max(0.0) / unit);
+        let lengths = powers.into_iter().chain(in_strata).map(|length| total * length);
+        parts
+            .iter_mut()
+            .zip(weight.into_iter().chain(lengths))
+            .for_each(|(sum, part)| *sum += part);
     }
 }
 
@@ -189,8 +138,7 @@ impl OutcomeField {
         // Where snow is small in the picture most paths miss it, and cost next to nothing.
         let times = ((first * TASK) as f64 / met.max(1) as f64).min(MOST_TIMES);
         parts.extend(follow(first..(first as f64 * times) as u64));
-        let strata = if field.has_strata { STRATA } else { 0 };
-        let mut samples = Samples::new(field.slots, strata);
+        let mut samples = field.no_samples();
         parts.into_iter().for_each(|(part, _)| samples.append(part));
         field.learnt(&samples)
     }

@@ -1,10 +1,15 @@
 //! Light from the depth of snow, learnt from exact paths.
 //!
 //! A path that is deep in snow has forgotten where it came from: what it will bring depends on little but its
-//! place. So paths of their own, which go on to their exact end, are followed first, and what they
-//! bring from each place on is kept in a coarse grid ([`OutcomeField`]). A path of the picture that has met
+//! place. So paths of the camera are followed to their end first, and what they bring from where they first arrive deep in
+//! the snow is kept in a coarse grid ([`OutcomeField`]). A path of the picture that has met
 //! some grains and arrives deep in the snow ends there, with the mean of what such paths brought: the light
 //! of each slot, and two lengths in ice that have the mean, the variance and the skewness of theirs.
+//!
+//! *Of whom*: the learning paths are paths of the same camera over the same picture, and each counts where one of the picture
+//! would end. So what the field brings to the whole picture is what they brought, and is wrong by nothing but their
+//! chance: a field learnt from all arrivals of a path has less noise, but not the mean of first ones. What is left is
+//! that a cell has one mean, so that within it light is even.
 //!
 //! *Where*: not where the path arrives, but nearly one transport length further on along its direction. Light that
 //! is scattered forward gets there on average before it has forgotten its direction, so that in a diffusive
@@ -20,10 +25,12 @@ mod levels;
 mod outcome;
 mod samples;
 mod scale;
+mod stored;
 
 pub use field::OutcomeField;
 pub(crate) use learn::Learner;
 pub(super) use scale::Scale;
+pub use stored::LearntStore;
 
 use crate::light::Lights;
 
@@ -48,7 +55,7 @@ impl DeepSettings {
     /// Of the errors that settings are known for: how many grains and how deep, and times the paths of the
     /// default (`cargo xtask deep` measures what is left).
     const BY_ERROR: [(f64, u32, f64, u64); 3] =
-        [(0.01, 4, 0.5, 1), (0.003, 8, 1.0, 4), (0.001, 16, 2.0, 16)];
+        [(0.01, 4, 0.5, 1), (0.003, 8, 1.0, 2), (0.001, 16, 2.0, 4)];
 
     /// Least error that settings are known for.
     pub const LEAST_ERROR: f64 = Self::BY_ERROR[2].0;
@@ -59,7 +66,7 @@ impl DeepSettings {
     pub fn for_error(error: f64) -> Option<Self> {
         let fits = Self::BY_ERROR.into_iter().find(|&(known, ..)| known <= error)?;
         let (_, after_grains, depth, times) = fits;
-        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times << 18 })
+        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times << 20 })
     }
 }
 
@@ -108,7 +115,7 @@ impl<'a> Deep<'a> {
             PathEnd::Escaped(_) if path.first_hit.is_none() => {}
             PathEnd::Escaped(ray) => lights.add_radiances(ray.direction, &mut radiances),
             PathEnd::Emitted { light, .. } => lights.add_emission(light, &mut radiances),
-            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => {}
+            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep(_) => {}
         }
         let lit = radiances.into_iter().enumerate().filter(|(_, light)| *light != [0.0; 3]);
         found.extend(lit.map(|(slot, light)| Contribution {

@@ -13,9 +13,24 @@ pub(super) struct Outcome {
     pub(super) lengths: [f32; 3],
     /// Of the mean length, that in grains of each stratum from 1 on.
     pub(super) in_strata: [f32; STRATA],
+    /// Standard error of the mean of the channels.
+    pub(super) standard_error: f32,
 }
 
+/// Numbers of an outcome: three of light, three powers of the length, lengths in strata.
+pub(super) const PARTS: usize = 6 + STRATA;
+
 impl Outcome {
+    /// Of its parts in a row.
+    pub(super) fn of_parts(parts: [f32; PARTS], standard_error: f32) -> Self {
+        Self {
+            weight: std::array::from_fn(|c| parts[c]),
+            lengths: std::array::from_fn(|power| parts[3 + power]),
+            in_strata: std::array::from_fn(|stratum| parts[6 + stratum]),
+            standard_error,
+        }
+    }
+
     /// Adds another one, times a number.
     pub(super) fn add(&mut self, other: &Self, times: f32) {
         let add = |mine: &mut [f32], theirs: &[f32]| {
@@ -24,6 +39,18 @@ impl Outcome {
         add(&mut self.weight, &other.weight);
         add(&mut self.lengths, &other.lengths);
         add(&mut self.in_strata, &other.in_strata);
+        self.standard_error += other.standard_error * times;
+    }
+
+    /// Its parts in a row.
+    pub(super) fn parts(&self) -> [f32; PARTS] {
+        let mut parts = self.weight.iter().chain(&self.lengths).chain(&self.in_strata);
+        std::array::from_fn(|_| parts.next().copied().unwrap_or_default())
+    }
+
+    /// The mean of the channels.
+    pub(super) fn light(&self) -> f64 {
+        f64::from(self.weight.iter().sum::<f32>()) / 3.0
     }
 
     /// Two lengths with their shares of the light, which together have its mean length, variance and

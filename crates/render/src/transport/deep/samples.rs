@@ -1,15 +1,17 @@
-//! What single arrivals brought.
+//! What single paths brought.
 
-use super::levels::Cell;
-use super::outcome::Outcome;
+use super::outcome::{Outcome, PARTS};
+use snowgrain_accel::STRATA;
+use snowgrain_math::DVec3;
 
-/// Arrivals deep in the snow, where each counts and what followed: of each slot of light three channels, their sum times
-/// three powers of the length in ice, and times the length in each stratum.
+/// Where paths first arrived deep in the snow, and what they brought from there: of each slot of light three channels, their sum
+/// times three powers of the length in ice, and times the length in each stratum.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Samples {
     slots: usize,
     strata: usize,
-    cells: Vec<Cell>,
+    places: Vec<DVec3>,
+    throughputs: Vec<[f32; 3]>,
     values: Vec<f32>,
 }
 
@@ -24,56 +26,67 @@ impl Samples {
     }
 
     pub(super) fn len(&self) -> usize {
-        self.cells.len()
+        self.places.len()
     }
 
-    /// Where each counts.
-    pub(super) fn cells(&self) -> &[Cell] {
-        &self.cells
+    /// Where each counts, in coarse cells.
+    pub(super) fn places(&self) -> &[DVec3] {
+        &self.places
     }
 
-    /// Adds an arrival; values slot by slot.
+    /// Adds a path of a throughput; outcomes slot by slot, times the throughput.
     pub(super) fn push(
         &mut self,
-        cell: Cell,
-        of_slots: impl Iterator<Item = ([f64; 3], [f64; 3], [f64; snowgrain_accel::STRATA])>,
+        place: DVec3,
+        throughput: [f32; 3],
+        of_slots: impl Iterator<Item = [f64; PARTS]>,
     ) {
-        self.cells.push(cell);
-        for (weight, powers, strata) in of_slots {
-            let all = weight.into_iter().chain(powers).chain(strata);
-            self.values.extend(all.take(self.width()).map(|value| value as f32));
+        self.places.push(place);
+        self.throughputs.push(throughput);
+        for parts in of_slots {
+            self.values.extend(parts.into_iter().take(self.width()).map(|part| part as f32));
         }
     }
 
     /// Adds those of another one behind.
     pub(super) fn append(&mut self, mut other: Self) {
-        self.cells.append(&mut other.cells);
+        self.places.append(&mut other.places);
+        self.throughputs.append(&mut other.throughputs);
         self.values.append(&mut other.values);
     }
 
     fn width(&self) -> usize {
-        6 + self.strata
+        PARTS - STRATA + self.strata
     }
 
-    /// The means of all slots over some arrivals, summed in their order.
+    /// What all slots bring on average over some paths for a throughput of 1, summed in their order: a path that ends with that
+    /// brings as much on average as these did.
     pub(super) fn means(&self, group: &[u32]) -> impl Iterator<Item = Outcome> {
         let width = self.width();
         let row = self.slots * width;
-        let mut sums = vec![0.0_f64; row];
+        let (mut sums, mut squares) = (vec![0.0_f64; row], vec![0.0_f64; self.slots]);
+        let mut throughput = [0.0_f64; 3];
         for &index in group {
             let values = &self.values[index as usize * row..][..row];
             sums.iter_mut().zip(values).for_each(|(sum, &value)| *sum += f64::from(value));
+            for (sum, values) in squares.iter_mut().zip(values.chunks_exact(width)) {
+                let light = f64::from(values[0] + values[1] + values[2]);
+                *sum += light * light;
+            }
+            let of_path = self.throughputs[index as usize];
+            throughput.iter_mut().zip(of_path).for_each(|(sum, part)| *sum += f64::from(part));
         }
-        let per = 1.0 / group.len() as f64;
-        let strata = self.strata;
+        let of_all = throughput.iter().sum::<f64>() / 3.0;
+        let count = group.len() as f64;
         (0..self.slots).map(move |slot| {
             let sums = &sums[slot * width..][..width];
-            let mean = |index: usize| (sums[index] * per) as f32;
-            Outcome {
-                weight: std::array::from_fn(mean),
-                lengths: std::array::from_fn(|power| mean(3 + power)),
-                in_strata: std::array::from_fn(|s| if s < strata { mean(6 + s) } else { 0.0 }),
-            }
+            let parts = std::array::from_fn(|part| match sums.get(part) {
+                Some(sum) => (sum / throughput.get(part).unwrap_or(&of_all)) as f32,
+                None => 0.0,
+            });
+            let light = sums[..3].iter().sum::<f64>();
+            let variance = (squares[slot] - light * light / count).max(0.0);
+            Outcome::of_parts(parts, (variance.sqrt() / (3.0 * of_all)) as f32)
         })
     }
 }

@@ -166,7 +166,7 @@ impl MediumPath<'_> {
             PathEnd::Emitted { light, .. } if small.is_some_and(|small| small.is_sought[light]) => {
             }
             PathEnd::Emitted { light, .. } => met.add_emission(light, &mut radiances),
-            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep => {}
+            PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep(_) => {}
         }
         let lit = radiances.into_iter().enumerate().filter(|(_, light)| *light != [0.0; 3]);
         let (throughput, ice_length) = (self.throughput, self.ice_length);
