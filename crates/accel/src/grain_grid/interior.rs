@@ -8,11 +8,8 @@ use super::packed_cells::{BRICK, CELLS_PER_BRICK};
 use super::{CellEntry, GrainGrid, GridPosition, PackedCells, Storage};
 use snowgrain_math::DVec3;
 
-/// Most coarse cells: seven bits each. Where there would be more they are larger.
+/// Most coarse cells: two bits each. Where there would be more they are larger.
 const MOST_CELLS: u64 = 1 << 28;
-
-/// Rings of snow from which on each class of depth reaches.
-const DEPTHS: [u32; 5] = [1, 2, 4, 8, 16];
 
 /// The coarse cells of a [`GrainGrid`], and which of them are deep.
 #[derive(Clone, Debug)]
@@ -24,8 +21,6 @@ pub struct Interior {
     side: [f64; 3],
     quantum: f64,
     deep: CellBits,
-    /// The cells that have at least so many rings of snow around them as each of [`DEPTHS`].
-    depths: Vec<CellBits>,
 }
 
 impl Interior {
@@ -49,13 +44,6 @@ impl Interior {
         std::array::from_fn(|axis| cell[axis] >> self.shift[axis])
     }
 
-    /// A class of the depth of a coarse cell, from 0 (no snow, or beside open air or surfaces) to 5 (16 cells deep or more).
-    #[inline]
-    #[must_use]
-    pub fn depth_class(&self, coarse: [i32; 3]) -> u8 {
-        self.depths.iter().take_while(|depth| depth.get(coarse)).count() as u8
-    }
-
     /// A place in units of coarse cells from the low corner of the grid.
     #[inline]
     #[must_use]
@@ -77,7 +65,7 @@ impl Interior {
     /// Memory, bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.deep.memory_bytes() + self.depths.iter().map(CellBits::memory_bytes).sum::<u64>()
+        self.deep.memory_bytes()
     }
 }
 
@@ -97,24 +85,13 @@ impl GrainGrid {
             shift = shift.map(|shift| shift + 1);
         }
         let cells = count(shift);
-        let mut depths = vec![self.snow_cells(shift, cells)];
-        let mut before = 0;
-        for rings in DEPTHS {
-            let next = depths[depths.len() - 1].eroded(rings - before);
-            depths.push(next);
-            before = rings;
-        }
-        let known = DEPTHS.iter().filter(|&&depth| depth <= rings).count();
-        let farther = rings - known.checked_sub(1).map_or(0, |last| DEPTHS[last]);
-        let deep = depths[known].eroded(farther);
-        depths.remove(0);
+        let deep = self.snow_cells(shift, cells).eroded(rings);
         Interior {
             shift,
             margin: f64::from(self.margin),
             side: self.side.map(f64::from),
             quantum: self.quantum(),
             deep,
-            depths,
         }
     }
 
