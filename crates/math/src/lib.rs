@@ -11,6 +11,7 @@
 //! ```
 
 pub mod aabb;
+mod exponential;
 pub mod frame;
 pub mod ray;
 pub mod sampler;
@@ -18,5 +19,6 @@ pub mod sobol;
 pub mod trig;
 
 pub use aabb::Aabb;
+pub use exponential::Exponential;
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, IVec3, UVec2, UVec3, Vec3};
 pub use ray::Ray;

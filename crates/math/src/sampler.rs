@@ -64,7 +64,8 @@ pub fn pcg3d(mut x: u32, mut y: u32, mut z: u32) -> [u32; 3] {
 #[inline]
 #[must_use]
 pub fn numbers(key: PathKey, event: u32) -> [f32; 3] {
-    pcg3d(key.lo, key.hi, event).map(unit_interval)
+    let [x, y, z] = pcg3d(key.lo, key.hi, event);
+    [unit_interval(x), unit_interval(y), unit_interval(z)]
 }
 
 /// The top 24 bits of a word as a number in `[0, 1)`.

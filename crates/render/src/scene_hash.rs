@@ -159,8 +159,8 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
         IntegratorKind::Medium(MediumKind::Volume) => hash.tag("volume"),
         IntegratorKind::Medium(MediumKind::Proxy) => hash.tag("proxy"),
         IntegratorKind::Medium(MediumKind::Dipole) => hash.tag("dipole"),
-        IntegratorKind::ProxyInDepth(ProxyStart { after_grains, depth }) => {
-            hash.tag("proxy in depth");
+        IntegratorKind::ProxyInDepth(ProxyStart { after_grains, depth, jumps }) => {
+            hash.tag(if jumps { "shells in depth" } else { "proxy in depth" });
             hash.words(&[after_grains]);
             hash.doubles(&[depth]);
         }

@@ -31,12 +31,17 @@ deep = \"proxy\"
 ";
 
 /// The options of each road.
-const ROADS: [[&str; 4]; 4] = [
+const ROADS: [[&str; 4]; 5] = [
     ["--set", "integrator.deep=\"proxy\"", "--set", "integrator.deep_after_grains=2"],
+    ["--set", "integrator.deep=\"shells\"", "--set", "integrator.deep_after_grains=2"],
     ["--set", "integrator={ kind = \"proxy\" }", "--set", "film.seed=0"],
     ["--set", "integrator={ kind = \"volume\" }", "--set", "film.seed=0"],
     ["--set", "integrator={ kind = \"dipole\" }", "--set", "film.seed=0"],
 ];
+
+/// Snow that is a lattice.
+const LATTICE: &str = "snow=[{ source = \"lattice\", lattice = \"fcc\", radius = 0.0005, \
+                       counts = [20, 20, 20], density = 300 }]";
 
 fn place() -> Workplace {
     let place = Workplace::new();
@@ -49,7 +54,7 @@ fn place() -> Workplace {
 #[test]
 fn media_are_white_in_the_furnace() {
     let place = place();
-    for road in &ROADS[..3] {
+    for road in &ROADS[..4] {
         let render = ["render", "scene.toml", "--furnace", "-o", "white.exr", "--quiet"];
         place.succeed(&[&render[..], road].concat());
         let picture = read_picture(&place.path("white.exr")).unwrap();
@@ -88,7 +93,7 @@ fn roads_know_the_sun() {
         green.iter().map(|&value| f64::from(value)).sum::<f64>() / green.len() as f64
     };
     let exact = mean(&["--set", "integrator={ calibration_paths = 16384 }"]);
-    for (road, allowed) in ROADS[1..].iter().zip([0.15, 0.4, 0.6]) {
+    for (road, allowed) in ROADS[2..].iter().zip([0.15, 0.4, 0.6]) {
         let found = mean(road);
         assert!((found / exact - 1.0).abs() < allowed, "{road:?}: {found} instead of {exact}");
     }
@@ -115,6 +120,11 @@ fn what_a_road_cannot_do_is_refused_with_a_mend() {
         (
             &["integrator={ kind = \"volume\" }", "material.dispersion=true"],
             "\"volume\" knows no dispersion",
+        ),
+        (&[sun, "integrator.deep=\"shells\""], "\"shells\" looks for no light"),
+        (
+            &["integrator={ kind = \"proxy\" }", LATTICE],
+            "\"proxy\" was measured for packs at random alone",
         ),
         (&["integrator.learning_paths=2048"], "needs integrator.deep = \"learnt\""),
     ];

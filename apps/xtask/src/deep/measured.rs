@@ -17,6 +17,8 @@ pub(crate) struct Film {
     /// Processor seconds of one sample, and of what was learnt and measured of light before the picture.
     pub(crate) seconds_per_sample: f64,
     pub(crate) learning_seconds: f64,
+    /// Processor seconds of what is made of the grains before: their cells, a medium.
+    pub(crate) build_seconds: f64,
 }
 
 impl Film {
@@ -36,6 +38,7 @@ impl Film {
             samples: number("samples_per_pixel")?,
             seconds_per_sample: number("render_cpu_seconds")? / number("samples")?,
             learning_seconds: number("learning_cpu_seconds")?,
+            build_seconds: number("build_cpu_seconds")?,
         })
     }
 

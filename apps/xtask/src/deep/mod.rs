@@ -122,6 +122,9 @@ ever. It is a function of the scene and the seed: the same bits on any machine. 
 rendered exactly, and so is all light that comes back before it has met a few grains and is half a transport length from open air and from \
 surfaces (`deep_after_grains`, `deep_depth`).
 
+Light that is deep may also go on among grains that are met at random, or jump over spheres of snow (`integrator.deep = \"proxy\"`, \
+`\"shells\"`): that needs no learning, but nowhere is it as fast ([roads.md](roads.md)).
+
 A transport length is the way on which light forgets its direction: for spheres of ice 5.2 mean distances between grains, 11.6 mm for grains of .5 mm at \
 275 kg/m^3, 1/density and proportional to the radius. Of other substances and shapes it follows from the shadow and the asymmetry of one of their grains.
 

@@ -14,8 +14,8 @@ const DENSITIES: [f64; 4] = [150.0, 275.0, 400.0, 500.0];
 /// Depth of the slabs, radii, and seed: of those by which is calibrated, and of those by which that is judged.
 pub(super) const CALIBRATING: (f64, u64) = (60.0, 11);
 pub(super) const JUDGING: (f64, u64) = (35.0, 12);
-/// Times that the chord is mended.
-const STEPS: u32 = 3;
+/// Times that the part that passes straight is mended.
+const STEPS: u32 = 4;
 
 /// A slab of one density, and what light does in it.
 pub(super) struct Calibrated {
@@ -41,26 +41,16 @@ impl Calibrated {
         Ok(measure_slab_in_medium(&self.slab.world, &medium, &self.slab.settings))
     }
 
-    /// The chord by which as much light comes through, and the grains by which it visits as many.
+    /// The part that passes straight by which as much light comes through.
     pub(super) fn solve(&self) -> Result<Calibration> {
-        let solid = self.slab.solid_fraction;
-        let known = CALIBRATION
-            .iter()
-            .min_by(|a, b| (a.solid - solid).abs().total_cmp(&(b.solid - solid).abs()));
-        let mut calibration =
-            Calibration { solid, grains: 1.0, ..*known.context("the table has entries")? };
-        // The way that light takes to come through grows as one over the extinction: 1/T less about one.
+        let mut calibration = Calibration { solid: self.slab.solid_fraction, straight: 0.0 };
+        // The way that light takes to come through grows as the grains that turn it: 1/T less about one.
         let way = |measure: &SlabMeasure| 1.0 / measure.transmittance.mean - 1.072;
-        // Chord and way through a grain together, by chords.
-        let whole = 1.0 + 1.486 * 3.0 * solid / (4.0 * (1.0 - solid));
-        let mut visits = 0.0;
         for _ in 0..STEPS {
             let found = self.with(MediumKind::Proxy, &[calibration])?;
-            let extended = whole - 1.0 + calibration.chord;
-            calibration.chord += extended * (way(&found) / way(&self.exact) - 1.0);
-            visits = found.grain_visits.mean;
+            calibration.straight =
+                1.0 - (1.0 - calibration.straight) * way(&self.exact) / way(&found);
         }
-        calibration.grains = 2.0 * self.slab.tau / visits;
         Ok(calibration)
     }
 
@@ -103,12 +93,10 @@ impl Calibrated {
 
 /// Prints the table of the code.
 pub(super) fn print(paths: u64) -> Result<()> {
-    println!("    Calibration {{ solid: 0.0, chord: 1.0, grains: 1.0 }},");
+    println!("    Calibration {{ solid: 0.0, straight: 0.0 }},");
     for slab in Calibrated::all(paths, CALIBRATING)? {
-        let Calibration { solid, chord, grains } = slab.solve()?;
-        println!(
-            "    Calibration {{ solid: {solid:.3}, chord: {chord:.3}, grains: {grains:.3} }},"
-        );
+        let Calibration { solid, straight } = slab.solve()?;
+        println!("    Calibration {{ solid: {solid:.3}, straight: {straight:.3} }},");
     }
     Ok(())
 }

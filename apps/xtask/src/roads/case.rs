@@ -16,20 +16,29 @@ pub(super) enum Road {
     Exact,
     Learnt,
     ProxyInDepth,
+    Shells,
     Proxy,
     Volume,
     Dipole,
 }
 
 impl Road {
-    pub(super) const ALL: [Self; 6] =
-        [Self::Exact, Self::Learnt, Self::ProxyInDepth, Self::Proxy, Self::Volume, Self::Dipole];
+    pub(super) const ALL: [Self; 7] = [
+        Self::Exact,
+        Self::Learnt,
+        Self::ProxyInDepth,
+        Self::Shells,
+        Self::Proxy,
+        Self::Volume,
+        Self::Dipole,
+    ];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
             Self::Learnt => "learnt (L)",
             Self::ProxyInDepth => "proxy in depth (P)",
+            Self::Shells => "shells in depth (S)",
             Self::Proxy => "proxy from the first grain",
             Self::Volume => "volume",
             Self::Dipole => "dipole",
@@ -42,15 +51,21 @@ impl Road {
             Self::Exact => "kind = \"grains\"\n",
             Self::Learnt => "deep = \"learnt\"\nlod_error = 0.01\n",
             Self::ProxyInDepth => "deep = \"proxy\"\n",
+            Self::Shells => "deep = \"shells\"\n",
             Self::Proxy => "kind = \"proxy\"\n",
             Self::Volume => "kind = \"volume\"\n",
             Self::Dipole => "kind = \"dipole\"\n",
         }
     }
 
-    /// Whether it knows a light.
-    pub(super) fn knows(self, light: Light) -> bool {
-        self != Self::ProxyInDepth || light == Light::Overcast
+    /// Whether it is measured in a case: some know skies alone, and where snow is deepest others than deep roads tell nothing new.
+    pub(super) fn knows(self, Case { body, light }: Case) -> bool {
+        let is_deep =
+            matches!(self, Self::Exact | Self::Learnt | Self::ProxyInDepth | Self::Shells);
+        if body == Body::Deepest {
+            return is_deep && light == Light::Overcast;
+        }
+        !matches!(self, Self::ProxyInDepth | Self::Shells) || light == Light::Overcast
     }
 }
 
@@ -91,16 +106,18 @@ impl Light {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Body {
     Deep,
+    Deepest,
     Thin,
     Ball,
 }
 
 impl Body {
-    pub(super) const ALL: [Self; 3] = [Self::Deep, Self::Thin, Self::Ball];
+    pub(super) const ALL: [Self; 4] = [Self::Deep, Self::Deepest, Self::Thin, Self::Ball];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Deep => "5 cm deep",
+            Self::Deepest => "20 cm deep",
             Self::Thin => "5 mm on dark ground",
             Self::Ball => "ball 2 cm across",
         }
@@ -108,17 +125,20 @@ impl Body {
 
     fn tables(self) -> String {
         let snow = "radius = 0.0005\ndensity = 275\n";
-        let block = |depth: f64| {
+        let block = |depth: f64, width: f64| {
+            let middle = 0.5 * width;
             format!(
-                "[camera]\nkind = \"orthographic\"\nfrom = [0.04, {}, 0.14]\nat = [0.04, {depth}, 0.04]\n\
+                "[camera]\nkind = \"orthographic\"\nfrom = [{middle}, {}, {}]\nat = [{middle}, {depth}, {middle}]\n\
                  height = 0.032\n[[object]]\nshape = \"plane\"\nalbedo = 0.03\n\
-                 [[snow]]\nsource = \"pack\"\nbox = [0, 0, 0, 0.08, {depth}, 0.08]\n{snow}",
-                depth + 0.08
+                 [[snow]]\nsource = \"pack\"\nbox = [0, 0, 0, {width}, {depth}, {width}]\n{snow}",
+                depth + 0.08,
+                middle + 0.1,
             )
         };
         match self {
-            Self::Deep => block(0.05),
-            Self::Thin => block(0.005),
+            Self::Deep => block(0.05, 0.08),
+            Self::Deepest => block(0.2, 0.4),
+            Self::Thin => block(0.005, 0.08),
             Self::Ball => format!(
                 "[camera]\nkind = \"orthographic\"\nfrom = [0, 0.05, 0.08]\nat = [0, 0.009, 0]\n\
                  height = 0.024\n[[object]]\nshape = \"plane\"\nalbedo = 0.2\n\

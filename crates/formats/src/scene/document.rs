@@ -323,8 +323,8 @@ pub struct IntegratorTable {
     /// 1048576, 5 to 20 s of one core.
     pub calibration_paths: Option<u64>,
     /// What becomes of light deep in the snow: "exact" (it is followed to its end) or "learnt" (it ends there with
-    /// what other paths brought from there: ten times faster and more, see docs/deep.md) or "proxy" (there it meets grains at
-    /// random, see docs/roads.md); default "exact".
+    /// what other paths brought from there: ten times faster and more, see docs/deep.md), "proxy" (there it meets grains at
+    /// random, see docs/roads.md) or "shells" (as "proxy", but where it has room it jumps over spheres of snow); default "exact".
     pub deep: DeepName,
     /// Part by which learnt light may be wrong on average over a block of 16 x 16 pixels, from 0.001: it chooses the
     /// following three; default 0.01.
@@ -357,6 +357,8 @@ pub enum DeepName {
     Learnt,
     /// It goes on from sphere to sphere met at random.
     Proxy,
+    /// As the proxy, but it jumps over spheres of uniform snow.
+    Shells,
 }
 
 /// How lights are found.

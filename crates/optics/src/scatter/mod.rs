@@ -7,10 +7,12 @@
 mod connect;
 mod dual;
 mod pair;
+mod passages;
 mod samples;
 
 pub use connect::{Connection, Connector};
 pub use pair::{Between, PairPath, Passed, Pencil, SpherePair, SphereVisit};
+pub use passages::{PassageTable, SpherePassage};
 pub use samples::Scattered;
 
 use crate::sphere::Impact;

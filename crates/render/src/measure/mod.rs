@@ -12,7 +12,10 @@ mod slab;
 pub use body::{BodyMeasure, measure_body};
 pub use glints::{GlintCount, GlintKind, GlintMeasure, GlintSun, measure_glints};
 pub use packed_slab::PackedSlab;
-pub use slab::{Incidence, SlabMeasure, SlabSettings, measure_slab, measure_slab_in_medium};
+pub use slab::{
+    Incidence, SlabMeasure, SlabSettings, measure_slab, measure_slab_in_depth,
+    measure_slab_in_medium,
+};
 
 use rayon::prelude::*;
 

@@ -2,8 +2,9 @@
 
 use super::{Estimate, Moments, in_tasks};
 use crate::World;
-use crate::transport::medium::{Medium, trace_in_medium};
-use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace};
+use crate::transport::deep::Deep;
+use crate::transport::medium::{Medium, ProxyInDepth, trace_in_medium};
+use crate::transport::{NewPath, PathEnd, PathResult, PathSource, trace, trace_with};
 use snowgrain_accel::SimdLevel;
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame, trig};
@@ -103,14 +104,31 @@ pub fn measure_slab(world: &World, settings: &SlabSettings) -> SlabMeasure {
     measure(settings, |source| trace(world, settings.level, source))
 }
 
-/// As [`measure_slab`], of light that meets the grains as a medium.
+/// As [`measure_slab`], of light that meets the grains as a medium. That reaches a little beyond the grains, and light enters beyond
+/// it: the faces are moved outwards, and air between them is void.
 #[must_use]
 pub fn measure_slab_in_medium(
     world: &World,
     medium: &Medium,
     settings: &SlabSettings,
 ) -> SlabMeasure {
-    measure(settings, |source| trace_in_medium(world, medium, source))
+    let [low, high] = medium.heights();
+    let (bottom, top) = (settings.bottom.min(low), settings.top.max(high));
+    let settings = SlabSettings { top, bottom, ..*settings };
+    measure(&settings, |source| trace_in_medium(world, medium, source))
+}
+
+/// As [`measure_slab`], of light that goes on as the proxy where it is deep.
+#[must_use]
+pub fn measure_slab_in_depth(
+    world: &World,
+    proxy: &ProxyInDepth,
+    settings: &SlabSettings,
+) -> SlabMeasure {
+    measure(settings, |source| {
+        let deep = Some(Deep::Proxy(proxy));
+        trace_with((world, world.eta), settings.level, (None, deep), source);
+    })
 }
 
 fn measure(settings: &SlabSettings, follow: impl Fn(&mut SlabSource<'_>) + Sync) -> SlabMeasure {

@@ -24,7 +24,7 @@ pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneErr
             None => Ok(None),
         };
     }
-    if table.deep == DeepName::Proxy {
+    if matches!(table.deep, DeepName::Proxy | DeepName::Shells) {
         return Ok(None);
     }
     let error = table.lod_error.unwrap_or(DEFAULT_ERROR);
@@ -54,9 +54,11 @@ fn depth(checks: &Checks<'_>) -> Result<Option<f64>, SceneError> {
 /// Where light goes on as the proxy; `None` where it does not.
 pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneError> {
     let table = &checks.document().integrator;
-    if table.deep != DeepName::Proxy {
-        return Ok(None);
-    }
+    let jumps = match table.deep {
+        DeepName::Proxy => false,
+        DeepName::Shells => true,
+        DeepName::Exact | DeepName::Learnt => return Ok(None),
+    };
     let learnt = [
         ("integrator.lod_error", table.lod_error.is_some()),
         ("integrator.learning_paths", table.learning_paths.is_some()),
@@ -69,6 +71,7 @@ pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneErro
     Ok(Some(ProxyStart {
         after_grains: table.deep_after_grains.unwrap_or(after_grains as u32),
         depth: depth(checks)?.unwrap_or(deep),
+        jumps,
     }))
 }
 

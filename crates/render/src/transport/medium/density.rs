@@ -41,11 +41,13 @@ impl Matter {
 pub(super) struct Density {
     /// Place of the first node, and from node to node, metres.
     low: DVec3,
-    edges: DVec3,
-    nodes: [usize; 3],
-    repeats: [bool; 3],
+    pub(super) edges: DVec3,
+    /// One over the edges.
+    per_edge: DVec3,
+    pub(super) nodes: [usize; 3],
+    pub(super) repeats: [bool; 3],
     /// Area and volume at each node, x fastest.
-    values: Vec<[f32; 2]>,
+    pub(super) values: Vec<[f32; 2]>,
     /// Around all that is not empty; infinite along axes that repeat.
     pub(super) bounds: Aabb,
 }
@@ -103,61 +105,116 @@ impl Density {
             let count = nodes.iter().map(|&n| n as f64).product::<f64>();
             if count <= MOST_NODES {
                 let values = vec![[0.0; 2]; nodes.iter().product()];
-                return Self { low, edges, nodes, repeats, values, bounds };
+                let per_edge = edges.recip();
+                return Self { low, edges, per_edge, nodes, repeats, values, bounds };
             }
             cell *= 2.0;
         }
     }
 
+    /// A point in cells from the first node; of the nearest point within the nodes, or within the first period.
+    #[inline]
+    pub(super) fn coordinates(&self, point: DVec3) -> DVec3 {
+        let mut at = (point - self.low) * self.per_edge;
+        for axis in 0..3 {
+            let count = self.nodes[axis] as f64;
+            if !self.repeats[axis] {
+                at[axis] = at[axis].clamp(0.0, count - 1.0);
+            } else if !(0.0..count).contains(&at[axis]) {
+                let within = at[axis] - count * (at[axis] / count).floor();
+                at[axis] = within.clamp(0.0, count.next_down());
+            }
+        }
+        at
+    }
+
     /// The eight nodes around a point, and their weights.
+    #[inline]
     fn around(&self, point: DVec3) -> [(usize, f64); 8] {
-        let at = (point - self.low) / self.edges;
-        let floor = at.floor();
-        let part = at - floor;
-        let node = |axis: usize, upper: bool| {
-            self.wrapped(floor[axis] as isize + isize::from(upper), axis)
-        };
-        std::array::from_fn(|corner| {
-            let upper = [0, 1, 2].map(|axis: usize| corner >> axis & 1 == 1);
-            let weight: f64 = (0..3)
-                .map(|axis| if upper[axis] { part[axis] } else { 1.0 - part[axis] })
-                .product();
-            let [x, y, z] = std::array::from_fn(|axis| node(axis, upper[axis]));
-            ((z * self.nodes[1] + y) * self.nodes[0] + x, weight)
-        })
+        let at = self.coordinates(point);
+        let mut ends = [[0; 2]; 3];
+        let mut parts = [[0.0; 2]; 3];
+        for axis in 0..3 {
+            let floor = at[axis] as usize;
+            ends[axis] = [self.wrapped(floor, axis), self.wrapped(floor + 1, axis)];
+            let part = at[axis] - floor as f64;
+            parts[axis] = [1.0 - part, part];
+        }
+        let mut around = [(0, 0.0); 8];
+        for (corner, (node, weight)) in around.iter_mut().enumerate() {
+            let [i, j, k] = [corner & 1, corner >> 1 & 1, corner >> 2];
+            *node = self.number([ends[0][i], ends[1][j], ends[2][k]]);
+            *weight = parts[0][i] * parts[1][j] * parts[2][k];
+        }
+        around
+    }
+
+    /// The number of a node by its place in the grid.
+    #[inline]
+    pub(super) fn number(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.nodes[1] + y) * self.nodes[0] + x
     }
 
     /// What there is at a point within the bounds.
     pub(super) fn at(&self, point: DVec3) -> Matter {
         let mut matter = Matter::default();
         for (node, weight) in self.around(point) {
-            let [area, solid] = self.values[node].map(f64::from);
-            matter.area += weight * area;
-            matter.solid += weight * solid;
+            let [area, solid] = self.values[node];
+            matter.area += weight * f64::from(area);
+            matter.solid += weight * f64::from(solid);
         }
         matter
     }
 
-    /// One of the eight nodes around a point within the bounds, as likely as its weight; a uniform number, of which eight
-    /// bits serve each axis.
-    pub(super) fn node_near(&self, point: DVec3, random: f64) -> usize {
+    /// What there is at one of the eight nodes around a point near the bounds, drawn as likely as its weight; a uniform number,
+    /// of which eight bits serve each axis.
+    pub(super) fn near(&self, point: DVec3, random: f64) -> Matter {
         let bits = (random * f64::from(1u32 << 24)) as u32;
-        let at = (point - self.low) / self.edges;
-        let index = |axis: usize| {
+        let at = self.coordinates(point);
+        let mut node = [0; 3];
+        for axis in 0..3 {
             let part = (f64::from(bits >> (8 * axis) & 0xff) + 0.5) / 256.0;
-            self.wrapped((at[axis] + part).floor() as isize, axis)
-        };
-        (index(2) * self.nodes[1] + index(1)) * self.nodes[0] + index(0)
+            node[axis] = self.wrapped((at[axis] + part) as usize, axis);
+        }
+        let [area, solid] = self.values[self.number(node)];
+        Matter { area: f64::from(area), solid: f64::from(solid) }
     }
 
     /// A node's number along an axis: within the grid.
-    fn wrapped(&self, index: isize, axis: usize) -> usize {
+    #[inline]
+    fn wrapped(&self, index: usize, axis: usize) -> usize {
+        let count = self.nodes[axis];
+        match self.repeats[axis] {
+            true if index >= count => index % count,
+            true => index,
+            false => index.min(count - 1),
+        }
+    }
+
+    /// The number of the node nearest to a place in cells from the first.
+    #[inline]
+    pub(super) fn nearest(&self, at: DVec3) -> usize {
+        let near = |axis: usize| self.wrapped((at[axis] + 0.5) as usize, axis);
+        self.number([near(0), near(1), near(2)])
+    }
+
+    /// The numbers along an axis of the nodes that weigh in a block of them, or within a cell of it.
+    pub(super) fn nodes_around(&self, axis: usize, block: usize, shift: u32) -> Vec<usize> {
+        let (first, last) = (block << shift, ((block + 1) << shift).min(self.nodes[axis]));
         let count = self.nodes[axis].cast_signed();
-        let within = match self.repeats[axis] {
+        let index = |index: isize| match self.repeats[axis] {
             true => index.rem_euclid(count),
             false => index.clamp(0, count - 1),
         };
-        within as usize
+        (first.cast_signed() - 1..=last.cast_signed() + 1).map(|at| index(at) as usize).collect()
+    }
+
+    /// Places of all nodes, metres.
+    pub(super) fn places(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let [nx, ny, nz] = self.nodes;
+        let nodes =
+            (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+        nodes.map(|node| self.low + DVec3::from_array(node.map(|at| at as f64)) * self.edges)
     }
 
     /// The steepest way out of the snow at a point, by differences over half a cell; not of unit length.

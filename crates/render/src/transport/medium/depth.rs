@@ -3,15 +3,20 @@
 //! A path that arrives at a grain deep in the snow, after some, goes on from sphere to sphere met at random until it leaves the deep
 //! cells. Where it does it is in air, and flies on among the real grains. A place that lies in one of these is exchanged for one
 //! nearby that does not: one grain is like another there.
+//!
+//! Where it has room it may jump from sphere to sphere ([`super::shells`]), as the same proxy does grain by grain.
 
-use super::scattering::Passage;
-use super::{Grains, Inside, Medium, MediumKind};
+use super::grains::{Grains, Meeting};
+use super::reach::Reach;
+use super::shells::{Jump, Shells};
+use super::uniform_numbers;
+use super::{Inside, Medium, MediumKind, darkness};
 use crate::light::Lights;
 use crate::transport::deep::Scale;
 use crate::world::World;
 use core::f64::consts::TAU;
 use snowgrain_accel::{GrainVisit, Interior, SimdLevel, SurfaceShape};
-use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DAffine3, DVec3, Ray, trig};
 
 /// When a path goes on as the proxy.
@@ -21,10 +26,10 @@ pub struct ProxyStart {
     pub after_grains: u32,
     /// Distance from open air and surfaces at least, transport lengths.
     pub depth: f64,
+    /// Whether it jumps over spheres of uniform snow.
+    pub jumps: bool,
 }
 
-/// Mean depth of the place where a ray that strikes a sphere somewhere enters it, before its centre, radii.
-const MEAN_ENTRY: f64 = 2.0 / 3.0;
 /// How far off, in radii, a place in air is looked for.
 const NEARBY: f64 = 2.0;
 /// Places that are tried before the path meets another grain instead.
@@ -34,6 +39,9 @@ const TRIES: u32 = 64;
 #[derive(Clone, Debug)]
 pub struct ProxyInDepth {
     medium: Medium,
+    /// Nodes around which it stays the proxy: deep cells, and holes in them, which are there by chance.
+    deep: Reach,
+    shells: Option<Shells>,
     pub(in super::super) interior: Interior,
     pub(in super::super) after_grains: u32,
     /// Steps in which is looked where a ray leaves the deep cells, metres.
@@ -69,14 +77,27 @@ impl ProxyInDepth {
             return None;
         }
         let medium = Medium::new(MediumKind::Proxy, (world, shapes), (lights, false))?;
-        let step = 0.25 * world.grid.cell_edges().min_element();
-        Some(Self { medium, interior, after_grains: start.after_grains, step })
+        let is_deep = |place| interior.is_deep(world.grid.locate(place).cell);
+        let far = start.depth * transport_length;
+        let deep = medium.nodes_where(is_deep, far, &world.surfaces);
+        let shells = if start.jumps { Shells::new(&medium, &deep) } else { None };
+        let step = 0.25 * interior.edges().min_element();
+        let after_grains = start.after_grains;
+        Some(Self { medium, deep, shells, interior, after_grains, step })
+    }
+
+    /// The spheres of a world without surfaces, to be measured: in the dark.
+    #[must_use]
+    pub fn in_the_dark(world: &World, start: &ProxyStart) -> Option<Self> {
+        Self::new((world, &[]), &darkness(), start)
     }
 
     /// Memory, bytes.
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.medium.memory_bytes() + self.interior.memory_bytes()
+        let shells = self.shells.as_ref().map_or(0, Shells::memory_bytes);
+        let deep = self.deep.memory_bytes() + self.interior.memory_bytes();
+        self.medium.memory_bytes() + deep + shells
     }
 
     /// Follows a path from its arrival at a grain until it leaves the deep cells.
@@ -100,24 +121,34 @@ impl ProxyInDepth {
             ice_length: 0.0,
             grain_visits: 0,
         };
-        let entry = world.grid.world(visit.center) - direction * (MEAN_ENTRY * radius);
-        let mut ray = deep.scatter(Ray::new(entry, direction), radius, 1.0);
+        let center = world.grid.world(visit.center);
+        let mut ray = deep.pass(Ray::new(center, direction), radius, true);
         loop {
-            let (place, met) = deep.fly(&ray);
-            if let Some(grains) = met {
-                let radius = self.medium.matter(place).radius();
-                ray = deep.scatter(Ray::new(place, ray.direction), radius, grains);
-                continue;
+            ray = deep.jump(ray);
+            match deep.fly(&ray) {
+                Flown::Met(met) => {
+                    ray = deep.go_on(Ray::new(ray.at(met.t), ray.direction), &met);
+                    continue;
+                }
+                Flown::Out(place) => {
+                    if let Some(place) = deep.in_air_near(place, radius) {
+                        let DeepPath { ice_length, grain_visits, event, .. } = deep;
+                        let ray = Ray::new(place, ray.direction);
+                        return Emerged { ray, ice_length, grain_visits: grain_visits - 1, event };
+                    }
+                    ray = deep.pass(Ray::new(place, ray.direction), radius, false);
+                }
             }
-            let radius = self.medium.matter(place).radius();
-            if let Some(place) = deep.in_air_near(place, radius) {
-                let DeepPath { ice_length, grain_visits, event, .. } = deep;
-                let ray = Ray::new(place, ray.direction);
-                return Emerged { ray, ice_length, grain_visits: grain_visits - 1, event };
-            }
-            ray = deep.scatter(Ray::new(place, ray.direction), radius, 1.0);
         }
     }
+}
+
+/// How a flight between grains ends.
+enum Flown {
+    /// At the next.
+    Met(Meeting),
+    /// Here, beyond the deep cells.
+    Out(DVec3),
 }
 
 /// A path between its arrival and its leaving.
@@ -134,39 +165,67 @@ struct DeepPath<'a> {
 impl DeepPath<'_> {
     fn random(&mut self) -> [f64; 3] {
         self.event += 1;
-        numbers(self.key, self.event - 1).map(f64::from)
+        uniform_numbers(self.key, self.event - 1)
+    }
+
+    /// Through a grain that is met, or around whose centre the arrival is told.
+    fn pass(&mut self, arrival: Ray, radius: f64, is_center: bool) -> Ray {
+        let numbers = self.random();
+        let met = self.grains.meeting_of(&self.proxy.medium.density, &arrival, radius, numbers);
+        let entry = met.passage.normal.filter(|_| is_center).unwrap_or(DVec3::ZERO) * radius;
+        self.go_on(Ray::new(arrival.origin + entry, arrival.direction), &met)
     }
 
     /// From a meeting to where the path leaves the grain.
-    fn scatter(&mut self, arrival: Ray, radius: f64, grains: f64) -> Ray {
-        let [a, b, c] = self.random();
-        let [turn, count, _] = self.random();
-        let scattering = &self.grains.scattering;
-        let Passage { direction, displacement, length, .. } =
-            scattering.sample(arrival.direction, [a, b, c, turn]);
-        self.ice_length += length * radius * grains;
-        self.grain_visits += (grains + count).floor() as u32;
-        Ray::new(arrival.origin + displacement * radius, direction)
+    fn go_on(&mut self, arrival: Ray, met: &Meeting) -> Ray {
+        self.ice_length += met.passage.length * met.radius;
+        self.grain_visits += 1;
+        Ray::new(arrival.origin + met.passage.displacement * met.radius, met.passage.direction)
     }
 
-    /// Where a path meets its next grain, with how many that stands for, or leaves the deep cells.
-    fn fly(&mut self, ray: &Ray) -> (DVec3, Option<f64>) {
-        let proxy = self.proxy;
-        let grains = self.grains;
-        let met = proxy.medium.free_flight(grains, ray, f64::INFINITY, || self.random());
-        let end = met.map_or(f64::INFINITY, |(t, _)| t);
-        let mut t = 0.0;
+    /// Over spheres as long as there is room.
+    fn jump(&mut self, mut ray: Ray) -> Ray {
+        let Self { proxy, grains, .. } = *self;
+        let Some(shells) = &proxy.shells else { return ray };
+        loop {
+            let room = grains
+                .uniform_room(&proxy.medium.density, ray.origin)
+                .min(self.deep_room(ray.origin));
+            let Some(shell) = shells.within(room) else { return ray };
+            let [which, turn, _] = self.random();
+            let Jump { displacement, direction, ice_length, grain_visits } =
+                shell.jump(grains, ray.direction, [which, turn]);
+            ray = Ray::new(ray.origin + displacement, direction);
+            self.ice_length += ice_length;
+            self.grain_visits += grain_visits;
+        }
+    }
+
+    /// To the next grain, or to where the path leaves the deep cells.
+    fn fly(&mut self, ray: &Ray) -> Flown {
+        let Self { proxy, grains, .. } = *self;
+        let density = &proxy.medium.density;
+        let met = grains.meeting(density, ray, f64::INFINITY, || self.random());
+        let end = met.map_or(f64::INFINITY, |met| met.t);
+        let mut t = self.deep_room(ray.origin);
         while t < end {
             if !self.is_deep(ray.at(t)) {
-                return (ray.at(t), None);
+                return Flown::Out(ray.at(t));
             }
             t += proxy.step;
         }
-        (ray.at(end), met.map(|(_, grains)| grains))
+        met.map_or_else(|| Flown::Out(ray.at(t)), Flown::Met)
+    }
+
+    /// How far around a place all is deep, as far as nodes tell, metres.
+    fn deep_room(&self, place: DVec3) -> f64 {
+        let ProxyInDepth { medium: Medium { density, .. }, deep, .. } = self.proxy;
+        deep.near(density, density.coordinates(place)).max(0.0) * density.shortest_edge()
     }
 
     fn is_deep(&self, place: DVec3) -> bool {
-        self.proxy.interior.is_deep(self.world.grid.locate(place).cell)
+        let ProxyInDepth { medium: Medium { density, .. }, deep, .. } = self.proxy;
+        deep.holds(density, density.coordinates(place))
     }
 
     /// The place, or one nearby that is not in ice.

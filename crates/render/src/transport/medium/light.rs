@@ -2,13 +2,14 @@
 
 use super::Inside;
 use super::scattering::{Passage, Scattering};
+use super::uniform_numbers;
 use super::walk::MediumPath;
 use crate::light::{LightSample, Lights};
 use crate::surface::Scatterer;
 use crate::transport::{Contribution, PathEnd};
 use core::f64::consts::PI;
 use snowgrain_accel::SurfaceId;
-use snowgrain_math::sampler::{PathKey, numbers, split_mix};
+use snowgrain_math::sampler::{PathKey, split_mix};
 use snowgrain_math::{DVec3, Ray};
 
 /// What tells the random numbers of a search from those of its path.
@@ -52,7 +53,7 @@ impl SearchNumbers {
 
     fn next(&mut self) -> [f64; 3] {
         self.event += 1;
-        numbers(self.key, self.event - 1).map(f64::from)
+        uniform_numbers(self.key, self.event - 1)
     }
 }
 
@@ -62,7 +63,7 @@ impl MediumPath<'_> {
         &mut self,
         position: DVec3,
         direction: DVec3,
-        (scattering, radius, grains): (&Scattering, f64, f64),
+        (scattering, radius): (&Scattering, f64),
     ) {
         let Some(small) = &self.medium.small else { return };
         self.looked = true;
@@ -77,7 +78,7 @@ impl MediumPath<'_> {
             return;
         }
         let weight = density / sample.pdf;
-        let ice = length * radius * grains;
+        let ice = length * radius;
         self.book((position + through, None), &sample, ([1.0; 3], weight), ice, random);
     }
 
@@ -133,9 +134,9 @@ impl MediumPath<'_> {
                 return;
             }
         }
-        if !self.medium.is_open(&ray, sample.distance, || random.next()) {
+        let Some(ice) = self.medium.way_through(&ray, sample.distance, || random.next()) else {
             return;
-        }
+        };
         let factor: [f64; 3] = std::array::from_fn(|c| {
             f64::from(self.throughput[c]) * f64::from(colour[c]) * f64::from(sample.radiance[c])
         });
@@ -144,7 +145,7 @@ impl MediumPath<'_> {
             glint: false,
             event: self.event,
             weight: factor.map(|channel| (channel * weight) as f32),
-            ice_length: self.ice_length + more_ice,
+            ice_length: self.ice_length + more_ice + ice,
             ice_in_strata: Default::default(),
         });
     }

@@ -7,8 +7,8 @@
 //!   and refract light by the phase function of Bohren and Barkstrom ([`snowgrain_optics::BohrenBarkstrom`]); any number of
 //!   times.
 //! - *Proxy*: between grains a path is free for the mean chord of the void, 4 r (1 - phi) / (3 phi), then strikes a sphere at a random
-//!   place of its disc and goes on from where the closed form lets it out, so that grains take room. What real grains differ by, in
-//!   chords and in grains met, is measured for each solid fraction ([`CALIBRATION`]).
+//!   place of its disc and goes on from where the closed form lets it out, so that grains take room (`grains`). Real grains let more light through:
+//!   so it passes some of them straight, a part that is measured for each solid fraction ([`CALIBRATION`]).
 //!
 //! - *Dipole*: what fast renderers do. The snow has the surface of the smoothed density, from where light that falls on it
 //!   diffuses (`dipole`).
@@ -19,10 +19,14 @@ mod calibration;
 mod density;
 mod depth;
 mod dipole;
+mod grains;
 mod irradiance;
 mod light;
+mod reach;
 mod scattering;
+mod shells;
 mod skin;
+mod uniform;
 mod walk;
 
 pub use calibration::{CALIBRATION, Calibration};
@@ -32,13 +36,16 @@ pub(crate) use walk::trace_in_medium;
 use crate::light::{Lights, LitSurfaces};
 use crate::surface::Place;
 use crate::world::World;
-use density::{Density, Matter};
+use density::Density;
 use dipole::Dipole;
+use grains::Grains;
 use light::SmallLights;
+use reach::Reach;
 use scattering::Scattering;
 use skin::SURFACE_LEVEL;
-use snowgrain_accel::SurfaceShape;
-use snowgrain_math::{Aabb, DAffine3, DVec3, Ray, trig};
+use snowgrain_accel::{SurfaceShape, Surfaces};
+use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::{Aabb, DAffine3, DVec3, Ray};
 
 /// How a path goes through the medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,24 +58,12 @@ pub enum MediumKind {
     Dipole,
 }
 
-/// Greatest solid fraction: where grains overlap, their volumes may add to more than there is room.
-const MOST_SOLID: f64 = 0.9;
-
 /// What a path meets of the snow.
 #[derive(Clone, Debug)]
 enum Inside {
     Grains(Grains),
     /// Its surface, where the area of discs by volume is so large, and what leaves it.
     Skin(f64, Option<Dipole>),
-}
-
-/// Grains that are met at random.
-#[derive(Clone, Debug)]
-struct Grains {
-    /// Meetings by length, 1/m, and grains that each stands for: at each node of the density; and the most meetings.
-    meetings: Vec<[f32; 2]>,
-    most: f64,
-    scattering: Scattering,
 }
 
 /// The snow of a world as a medium, and how lights are found in it.
@@ -101,9 +96,9 @@ impl Medium {
         calibration: &[Calibration],
     ) -> Option<Self> {
         let places: Vec<Place> = shapes.iter().map(Place::new).collect();
-        let density = Density::new(&world.grid, &world.surfaces, &places)?;
+        let mut density = Density::new(&world.grid, &world.surfaces, &places)?;
         let inside = match Scattering::new(kind, world.eta) {
-            Some(scattering) => Inside::Grains(Grains::new(&density, scattering, calibration)),
+            Some(scattering) => Inside::Grains(Grains::new(&mut density, scattering, calibration)),
             None => Inside::Skin(SURFACE_LEVEL * world.grid.extinction(), None),
         };
         Some(Self {
@@ -121,9 +116,34 @@ impl Medium {
         world: &World,
         calibration: &[Calibration],
     ) -> Option<Self> {
-        let nothing = LitSurfaces::new(Vec::new(), &[]);
-        let dark = Lights::new(&[], &nothing, [0.0; 3], &Aabb::EMPTY);
-        Self::calibrated(kind, (world, &[]), (&dark, false), calibration)
+        Self::calibrated(kind, (world, &[]), (&darkness(), false), calibration)
+    }
+
+    /// The nodes where this holds, and those of the uniform snow that are so far, metres, from surfaces and from what else there is.
+    fn nodes_where(&self, holds: impl Fn(DVec3) -> bool, far: f64, surfaces: &Surfaces) -> Reach {
+        let Self { density, inside, .. } = self;
+        let uniform = match inside {
+            Inside::Grains(grains) => grains.uniform.as_ref(),
+            Inside::Skin(..) => None,
+        };
+        let is_open = |place: DVec3| {
+            let ball = Aabb::new(place - density.edges, place + density.edges);
+            surfaces.is_empty() || !surfaces.may_cross(&ball)
+        };
+        let mut marks: Vec<bool> = density.places().map(&holds).collect();
+        if let Some(grains) = uniform {
+            let open = grains.uniform.reach.marks().zip(density.places());
+            let open = Reach::new(density, open.map(|(same, place)| same && is_open(place)));
+            let is_far = open.farther_than(far / density.shortest_edge() + 1.0);
+            marks.iter_mut().zip(is_far).for_each(|(mark, is_far)| *mark |= is_far);
+        }
+        Reach::new(density, marks.into_iter())
+    }
+
+    /// Between which heights it lies, metres.
+    pub(crate) fn heights(&self) -> [f64; 2] {
+        let Aabb { min, max } = self.density.bounds;
+        [min.y, max.y]
     }
 
     /// Memory, bytes.
@@ -131,70 +151,50 @@ impl Medium {
     pub fn memory_bytes(&self) -> u64 {
         self.density.memory_bytes()
             + match &self.inside {
-                Inside::Grains(grains) => size_of_val(grains.meetings.as_slice()) as u64,
+                Inside::Grains(grains) => grains.memory_bytes(),
                 Inside::Skin(_, glow) => glow.as_ref().map_or(0, Dipole::memory_bytes),
             }
     }
 
-    /// Whether the snow lets a ray pass as far as this, metres; `random` gives uniform numbers.
-    fn is_open(&self, ray: &Ray, far: f64, random: impl FnMut() -> [f64; 3]) -> bool {
-        match &self.inside {
-            Inside::Grains(grains) => self.free_flight(grains, ray, far, random).is_none(),
-            Inside::Skin(level, _) => self.density.surface_on(ray, far, *level).is_none(),
-        }
-    }
-
-    /// Where a ray meets a grain before `far`, metres, and how many grains it stands for; `random` gives uniform numbers.
-    ///
-    /// Tracking by the greatest extinction (Woodcock et al. 1965), at one node drawn by its weight instead of the mean of
-    /// eight: it accepts as often.
-    fn free_flight(
+    /// Length in ice on the way of a ray as far as this, metres, if the snow lets it pass; `random` gives uniform numbers.
+    fn way_through(
         &self,
-        grains: &Grains,
         ray: &Ray,
         far: f64,
         mut random: impl FnMut() -> [f64; 3],
-    ) -> Option<(f64, f64)> {
-        let (mut t, end) = self.density.bounds.intersect(ray)?;
-        let end = end.min(far);
+    ) -> Option<f64> {
+        let grains = match &self.inside {
+            Inside::Grains(grains) => grains,
+            Inside::Skin(level, _) => {
+                return self.density.surface_on(ray, far, *level).is_none().then_some(0.0);
+            }
+        };
+        let (mut from, mut ice) = (0.0, 0.0);
         loop {
-            let [length, chance, node] = random();
-            t -= trig::ln(1.0 - length) / grains.most;
-            if t >= end {
+            let rest = Ray::new(ray.at(from), ray.direction);
+            let Some(met) = grains.meeting(&self.density, &rest, far - from, &mut random) else {
+                return Some(ice);
+            };
+            if !met.is_straight {
                 return None;
             }
-            let [meetings, each] = grains.meetings[self.density.node_near(ray.at(t), node)];
-            if chance * grains.most < f64::from(meetings) {
-                return Some((t, f64::from(each)));
-            }
+            from += met.t + met.passage.displacement.dot(ray.direction) * met.radius;
+            ice += met.passage.length * met.radius;
         }
-    }
-
-    /// The matter at a point within the bounds.
-    fn matter(&self, point: DVec3) -> Matter {
-        self.density.at(point)
     }
 }
 
-impl Grains {
-    fn new(density: &Density, scattering: Scattering, calibration: &[Calibration]) -> Self {
-        let at_node = |matter| meetings(&scattering, matter, calibration).map(|value| value as f32);
-        let meetings: Vec<[f32; 2]> = density.nodes().map(at_node).collect();
-        let most = meetings.iter().map(|meetings| meetings[0]).fold(0.0, f32::max);
-        Self { meetings, most: f64::from(most), scattering }
-    }
+/// No lights.
+fn darkness() -> Lights {
+    let nothing = LitSurfaces::new(Vec::new(), &[]);
+    Lights::new(&[], &nothing, [0.0; 3], &Aabb::EMPTY)
 }
 
-/// Meetings by length, 1/m, and grains that each stands for.
-fn meetings(scattering: &Scattering, matter: Matter, calibration: &[Calibration]) -> [f64; 2] {
-    match scattering {
-        Scattering::Refracted(_) => [matter.area, 1.0],
-        Scattering::Sphere(_) => {
-            let solid = matter.solid.min(MOST_SOLID);
-            let Calibration { chord, grains, .. } = Calibration::at(calibration, solid);
-            [matter.area / ((1.0 - solid) * chord), grains]
-        }
-    }
+/// The uniform numbers of an event of a path.
+#[inline]
+fn uniform_numbers(key: PathKey, event: u32) -> [f64; 3] {
+    let [x, y, z] = numbers(key, event);
+    [f64::from(x), f64::from(y), f64::from(z)]
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::MediumKind;
 use core::f64::consts::TAU;
 use snowgrain_math::{DVec3, frame, trig};
-use snowgrain_optics::scatter::Way;
+use snowgrain_optics::scatter::{PassageTable, SpherePassage, Way};
 use snowgrain_optics::{BohrenBarkstrom, Dielectric, ScatterTable};
 
 /// What a grain does to a path: the closed form of a sphere, or that of its refracted light alone.
@@ -11,8 +11,34 @@ use snowgrain_optics::{BohrenBarkstrom, Dielectric, ScatterTable};
 pub(super) enum Scattering {
     /// Grains are points.
     Refracted(BohrenBarkstrom),
-    /// Grains are spheres, by a table of their closed form.
-    Sphere(ScatterTable),
+    /// Grains are spheres, by tables of their closed form: of passages, and of ways into a given direction.
+    Sphere(PassageTable, ScatterTable),
+}
+
+/// Directions across another of which one is drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Azimuths {
+    cos_sin: Vec<[f32; 2]>,
+}
+
+impl Azimuths {
+    const COUNT: u16 = 1 << 10;
+
+    pub(super) fn new() -> Self {
+        let at = |index: u16| {
+            let (sin, cos) = trig::sin_cos(TAU * f64::from(index) / f64::from(Self::COUNT));
+            [cos as f32, sin as f32]
+        };
+        Self { cos_sin: (0..Self::COUNT).map(at).collect() }
+    }
+
+    /// A unit vector across a direction, by a uniform number.
+    #[inline]
+    pub(super) fn across(&self, direction: DVec3, random: f64) -> DVec3 {
+        let (s, t) = frame::tangents(direction);
+        let [cos, sin] = self.cos_sin[(random * f64::from(Self::COUNT)) as usize];
+        s * f64::from(cos) + t * f64::from(sin)
+    }
 }
 
 /// How a path goes on from a grain. Lengths in its radii.
@@ -34,26 +60,11 @@ impl Scattering {
         let medium = Dielectric { eta };
         match kind {
             MediumKind::Volume => Some(Self::Refracted(BohrenBarkstrom::new(medium))),
-            MediumKind::Proxy => Some(Self::Sphere(ScatterTable::for_air(medium))),
-            MediumKind::Dipole => None,
-        }
-    }
-
-    /// How a path that arrives along `direction` goes on; four uniform numbers.
-    pub(super) fn sample(&self, direction: DVec3, [a, b, c, turn]: [f64; 4]) -> Passage {
-        let (s, t) = frame::tangents(direction);
-        let (sin, cos) = trig::sin_cos(TAU * turn);
-        let aside = s * cos + t * sin;
-        match self {
-            Self::Refracted(refracted) => {
-                let ray = refracted.sample(a);
-                Passage::of_point(turned(direction, aside, ray.cosine), ray.length)
+            MediumKind::Proxy => {
+                let ways = ScatterTable::for_air(medium);
+                Some(Self::Sphere(PassageTable::for_air(medium), ways))
             }
-            Self::Sphere(table) => match table.sample([a, b, c]) {
-                Some((cosine, way)) => Passage::through(direction, aside, cosine, way),
-                // One ray in a million, of many reflections, that the table leaves out.
-                None => Passage::of_point(direction, 0.0),
-            },
+            MediumKind::Dipole => None,
         }
     }
 
@@ -72,7 +83,7 @@ impl Scattering {
                 let length = refracted.length(cosine);
                 (density > 0.0).then(|| (density, Passage::of_point(wanted, length)))
             }
-            Self::Sphere(table) => {
+            Self::Sphere(_, table) => {
                 let way = table.way(cosine, random)?;
                 let aside = (wanted - direction * cosine).try_normalize();
                 let aside = aside.unwrap_or_else(|| frame::tangents(direction).0);
@@ -83,6 +94,26 @@ impl Scattering {
 }
 
 impl Passage {
+    /// Of a point that refracts by an angle of this cosine, towards a unit vector across.
+    pub(super) fn refracted(direction: DVec3, aside: DVec3, cosine: f64, length: f64) -> Self {
+        Self::of_point(turned(direction, aside, cosine), length)
+    }
+
+    /// Through a sphere that is met on the side of a unit vector across the direction.
+    #[inline]
+    pub(super) fn of_sphere(direction: DVec3, aside: DVec3, passage: &SpherePassage) -> Self {
+        let vector =
+            |[along, across]: [f32; 2]| direction * f64::from(along) + aside * f64::from(across);
+        let turned = vector(passage.direction);
+        Self {
+            // A step of Newton's towards unit length, which it has but for rounding.
+            direction: turned * (1.5 - 0.5 * turned.length_squared()),
+            displacement: vector(passage.displacement),
+            length: f64::from(passage.length),
+            normal: Some(vector(passage.entry)),
+        }
+    }
+
     fn of_point(direction: DVec3, length: f64) -> Self {
         Self { direction, displacement: DVec3::ZERO, length, normal: None }
     }

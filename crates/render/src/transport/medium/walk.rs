@@ -1,7 +1,9 @@
 //! One path after another through a medium and off surfaces.
 
+use super::grains::{Grains, Meeting};
 use super::scattering::Passage;
-use super::{Grains, Inside, Medium};
+use super::uniform_numbers;
+use super::{Inside, Medium};
 use crate::World;
 use crate::description::DirectView;
 use crate::transport::{
@@ -9,7 +11,7 @@ use crate::transport::{
     ROULETTE_THRESHOLD,
 };
 use snowgrain_accel::{SurfaceHit, SurfaceId};
-use snowgrain_math::sampler::{PathKey, numbers};
+use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 
 /// Traces every path of `source` through `world`, the snow of which is `medium`.
@@ -49,11 +51,11 @@ pub(super) struct MediumPath<'a> {
     pub(super) found: &'a mut Vec<Contribution>,
 }
 
-/// What a path meets of the snow, and how far off.
+/// What a path meets of the snow.
 enum Met<'a> {
-    /// Grains, as many as a meeting stands for.
-    Grains(f64, f64, &'a Grains),
-    /// The surface of it all.
+    /// One of the grains.
+    Grain(Meeting, &'a Grains),
+    /// The surface of it all, so many metres off.
     Skin(f64),
 }
 
@@ -86,7 +88,7 @@ impl<'a> MediumPath<'a> {
 impl MediumPath<'_> {
     pub(super) fn random(&mut self) -> [f64; 3] {
         self.event += 1;
-        numbers(self.key, self.event - 1).map(f64::from)
+        uniform_numbers(self.key, self.event - 1)
     }
 
     /// Follows it to its end.
@@ -94,31 +96,35 @@ impl MediumPath<'_> {
         let (medium, surfaces) = (self.medium, &self.world.surfaces);
         let mut excluded = None;
         loop {
+            let met = match &medium.inside {
+                Inside::Grains(grains) => grains
+                    .meeting(&medium.density, &ray, f64::INFINITY, || self.random())
+                    .map(|met| Met::Grain(met, grains)),
+                Inside::Skin(level, _) => {
+                    medium.density.surface_on(&ray, f64::INFINITY, *level).map(Met::Skin)
+                }
+            };
+            let far = match &met {
+                Some(Met::Grain(met, _)) => met.t,
+                Some(Met::Skin(t)) => *t,
+                None => f64::INFINITY,
+            };
             let hit = match surfaces.is_empty() {
                 true => None,
-                false => surfaces.intersect(&ray, f64::INFINITY, excluded),
+                false => surfaces.intersect(&ray, far, excluded),
             };
-            let far = hit.map_or(f64::INFINITY, |hit| hit.t);
-            let met = match &medium.inside {
-                Inside::Grains(grains) => medium
-                    .free_flight(grains, &ray, far, || self.random())
-                    .map(|(t, each)| Met::Grains(t, each, grains)),
-                Inside::Skin(level, _) => {
-                    medium.density.surface_on(&ray, far, *level).map(Met::Skin)
-                }
-            };
-            let next = match (met, hit) {
-                (Some(Met::Grains(t, each, grains)), _) => {
-                    self.air_length += t;
-                    self.meet_grain(grains, Ray::new(ray.at(t), ray.direction), each)
-                }
-                (Some(Met::Skin(t)), _) => {
-                    self.meet_skin(ray.at(t), ray.direction);
-                    return PathEnd::Absorbed;
-                }
-                (None, Some(hit)) => {
+            let next = match (hit, met) {
+                (Some(hit), _) => {
                     self.air_length += hit.t;
                     self.meet_surface(&hit, Ray::new(ray.at(hit.t), ray.direction))
+                }
+                (None, Some(Met::Grain(met, grains))) => {
+                    self.air_length += met.t;
+                    self.meet_grain(grains, Ray::new(ray.at(met.t), ray.direction), &met)
+                }
+                (None, Some(Met::Skin(t))) => {
+                    self.meet_skin(ray.at(t), ray.direction);
+                    return PathEnd::Absorbed;
                 }
                 (None, None) => return PathEnd::Escaped(ray),
             };
@@ -134,18 +140,16 @@ impl MediumPath<'_> {
         &mut self,
         grains: &Grains,
         arrival: Ray,
-        each: f64,
+        met: &Meeting,
     ) -> Result<(Ray, Option<SurfaceId>), PathEnd> {
         let Ray { origin: position, direction } = arrival;
-        let radius = self.medium.matter(position).radius();
-        self.look_at_grain(position, direction, (&grains.scattering, radius, each));
-        let [a, b, c] = self.random();
-        let [turn, count, _] = self.random();
-        let passage = grains.scattering.sample(direction, [a, b, c, turn]);
+        let Meeting { radius, passage, is_straight, .. } = *met;
+        if !is_straight {
+            self.look_at_grain(position, direction, (&grains.scattering, radius));
+        }
         self.note_first_grain(position, direction, &passage);
-        // A whole number of them, right on average.
-        self.grain_visits += (each + count).floor() as u32;
-        let ice = passage.length * radius * each;
+        self.grain_visits += 1;
+        let ice = passage.length * radius;
         let through = passage.displacement * radius;
         let length = through.length();
         if let Some(hit) = self.surface_within(position, through) {
