@@ -82,7 +82,7 @@ pub(super) struct Entry {
 pub(super) struct Cells {
     pub(super) margin: f64,
     pub(super) side: DVec3,
-    inverse_side: DVec3,
+    pub(super) inverse_side: DVec3,
     pub(super) counts: [i32; 3],
     pub(super) periodic: [bool; 3],
 }

@@ -1,0 +1,217 @@
+//! One round: of each group what its paths may meet, their steps in air and in grains, then the rare things one by one.
+
+use super::stretches::{begin_afresh, next};
+use super::{GROUP, Phase, ShapeFlight, VISITS_AT_ONCE};
+use crate::flight::MAX_TURNS_IN_ICE;
+use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Storage};
+use crate::prefetch::prefetch;
+use fearless_simd::Simd;
+
+impl ShapeFlight<'_> {
+    /// Rounds until an event occurs or no path is left in flight.
+    #[inline(always)]
+    pub(super) fn run<S: Simd>(&mut self, simd: S) {
+        let groups = self.in_use.div_ceil(GROUP);
+        while self.events.is_empty()
+            && self.visits.as_ref().is_none_or(|noted| noted.len() < VISITS_AT_ONCE)
+        {
+            let mut flying = false;
+            for group in 0..groups {
+                flying |= self.round(simd, group);
+                if group > 0 {
+                    self.fetch_entries(group - 1);
+                }
+            }
+            if groups > 0 {
+                self.fetch_entries(groups - 1);
+            }
+            if !flying {
+                return;
+            }
+        }
+    }
+
+    /// One step of the paths of a group; whether any is in flight.
+    #[inline(always)]
+    fn round<S: Simd>(&mut self, simd: S, group: usize) -> bool {
+        let first = group * GROUP;
+        self.stretches[group].look_ahead(simd, &self.cells, self.shapes.concentric);
+        let covered = self.gather(simd, first);
+        let mut covered = covered | self.meet(simd, first);
+        let mut ice = self.in_ice[group];
+        let flying = self.stretches[group].air != 0 || self.in_grains[group].any() || ice != 0;
+        self.step_in_air(simd, first);
+        while let Some(at) = next(&mut ice) {
+            self.in_ice[group] &= !(1 << at);
+            self.go_on_in_ice(simd, first + at, None);
+        }
+        while let Some(at) = next(&mut covered) {
+            self.leave_visit(first + at);
+        }
+        self.step_in_grains(simd, first);
+        self.prefetch_entries(group);
+        flying
+    }
+
+    /// Lets the paths of a group that are in air arrive at grains, or go on to their next cells.
+    #[inline(always)]
+    fn step_in_air<S: Simd>(&mut self, simd: S, first: usize) {
+        let stretches = &self.stretches[first / GROUP];
+        let hits = stretches.hits(simd);
+        let rare = self.rare(first);
+        let (mut arriving, mut alone) = (0, rare);
+        let mut meeting = hits & !rare;
+        while let Some(at) = next(&mut meeting) {
+            let arrives = self.arrives_with_others(first + at);
+            arriving |= u32::from(arrives) << at;
+            alone |= u32::from(!arrives) << at;
+        }
+        self.in_grains[first / GROUP].arrive(simd, arriving);
+        let stretches = &mut self.stretches[first / GROUP];
+        let leaving = stretches.air & !(hits | rare);
+        stretches.air &= !arriving;
+        alone |= stretches.leave_cells(simd, &self.cells, leaving);
+        while let Some(at) = next(&mut alone) {
+            let index = first + at;
+            self.land(index);
+            self.stretches[first / GROUP].end(at);
+            self.step_alone(simd, index);
+            if self.lanes[index].phase == Phase::Air {
+                self.go_on_in_air(index);
+            }
+        }
+    }
+
+    /// Paths in air that cross an empty brick, or in whose cell a surface lies.
+    #[inline(always)]
+    fn rare(&self, first: usize) -> u32 {
+        let stretches = &self.stretches[first / GROUP];
+        let is_rare = |entry: u32| {
+            entry & CellEntry::SURFACE != 0 || CellEntry(entry) == CellEntry::EMPTY_BRICK
+        };
+        let rare = stretches.entry.iter().rev().fold(0, |lanes, &entry| {
+            lanes << 1 | u32::from(is_rare(entry))
+        });
+        rare & stretches.air
+    }
+
+    /// Whether a path that meets a grain arrives there as most do, with others; then that is booked.
+    #[inline(always)]
+    fn arrives_with_others(&mut self, index: usize) -> bool {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let (stretches, grains) = (&self.stretches[group], &mut self.in_grains[group]);
+        let lane = &mut self.lanes[index];
+        let (block, slot) = grains.slot(at);
+        let flags = self.grid.blocks()[block].radius[slot & 15];
+        let is_rare = flags & MEETS_SURFACE != 0
+            || lane.first.is_none()
+            || self.visits.is_some()
+            || self.deep.is_some()
+            // Of a path that begins within the grain the place is not on the face.
+            || stretches.nearest[at] < stretches.travelled[at]
+            || !self.kinds.has_slabs(grains.word(at));
+        if is_rare {
+            return false;
+        }
+        lane.count_air(stretches.nearest[at]);
+        lane.visits += 1;
+        lane.phase = Phase::Visit;
+        lane.inside.stratum = self.grid.strata().get(block).map_or(0, |strata| strata[slot & 15]);
+        grains.begin(at, lane.key, lane.event, flags & OVERLAPS != 0);
+        true
+    }
+
+    /// One step of the paths of a group that are in grains between parallel faces.
+    #[inline(always)]
+    fn step_in_grains<S: Simd>(&mut self, simd: S, first: usize) {
+        let group = first / GROUP;
+        self.stretches[group].asking = 0;
+        if !self.in_grains[group].any() {
+            return;
+        }
+        let out = self.in_grains[group].turn(simd, self.kinds, self.eta);
+        let mut trapped = self.in_grains[group].longer_than(simd, MAX_TURNS_IN_ICE);
+        while let Some(at) = next(&mut trapped) {
+            self.stop_in_grain(first + at);
+        }
+        let off = self.in_grains[group].travel(simd, self.kinds, self.eta);
+        let grains = &mut self.in_grains[group];
+        let asking = grains.may_be_covered();
+        let (mut out, stretches) = (out | off, &mut self.stretches[group]);
+        let mut strayed = stretches.begin(simd, &self.cells, out | asking, grains);
+        stretches.asking = asking;
+        stretches.air |= out;
+        while let Some(at) = next(&mut strayed) {
+            self.stay_inside(first + at);
+        }
+        while let Some(at) = next(&mut out) {
+            self.end_visit(first + at);
+        }
+    }
+
+    /// Asks for what the cells of a group's paths hold.
+    #[inline(always)]
+    fn prefetch_entries(&self, group: usize) {
+        let Storage::Packed(cells) = self.grid.storage() else { return };
+        let stretches = &self.stretches[group];
+        let mut lanes = stretches.air | stretches.asking;
+        while let Some(at) = next(&mut lanes) {
+            cells.prefetch(stretches.cell_of(at));
+        }
+    }
+
+    /// Looks it up, and asks for the blocks.
+    #[inline(always)]
+    fn fetch_entries(&mut self, group: usize) {
+        let stretches = &mut self.stretches[group];
+        let mut lanes = stretches.air | stretches.asking;
+        while let Some(at) = next(&mut lanes) {
+            let entry = self.grid.entry(stretches.cell_of(at));
+            stretches.entry[at] = entry.0;
+            self.grid.prefetch_blocks(entry);
+            for number in entry.blocks() {
+                let words = &self.shapes.blocks[number];
+                prefetch(&words[0]);
+                prefetch(&words[8]);
+            }
+        }
+        let mut lanes = self.in_ice[group];
+        while let Some(at) = next(&mut lanes) {
+            self.look_up_cell(group * GROUP + at);
+        }
+    }
+
+    /// Looks up what the cell of a path holds that the caller has moved.
+    pub(super) fn fetch_entry(&mut self, index: usize) {
+        let (group, at) = (index / GROUP, index % GROUP);
+        self.look_up_cell(index);
+        self.stretches[group].entry[at] = self.lanes[index].entry.0;
+    }
+
+    /// Looks up what the cell of a path that is followed alone holds.
+    #[inline(always)]
+    pub(super) fn look_up_cell(&mut self, index: usize) {
+        let lane = &mut self.lanes[index];
+        (lane.entry, lane.entry_of) = (self.grid.entry(lane.cell), lane.cell);
+    }
+
+    /// Brings a path back into the grid that begins a stretch.
+    #[inline(never)]
+    fn stay_inside(&mut self, index: usize) {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let (lane, grains) = (&mut self.lanes[index], &mut self.in_grains[group]);
+        self.stretches[group].stay_inside(&self.cells, at, lane, grains);
+    }
+
+    /// A path goes on in air after its visit.
+    #[inline(always)]
+    fn end_visit(&mut self, index: usize) {
+        let (length, event) = self.in_grains[index / GROUP].outcome(index % GROUP);
+        let lane = &mut self.lanes[index];
+        lane.add_ice(length);
+        lane.event = event;
+        lane.in_ice = false;
+        lane.phase = Phase::Air;
+        begin_afresh(lane);
+    }
+}
