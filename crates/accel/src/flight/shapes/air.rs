@@ -10,7 +10,7 @@ use super::visits::Departure;
 use super::{GROUP, SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent};
 use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord};
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 use snowgrain_math::DVec3;
 
 /// The way out of a cell, or of an empty brick.
@@ -114,7 +114,8 @@ impl ShapeFlight<'_> {
         let mut window = [before, last(lane.nearest)];
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let mut slots = near(simd, block, (position, direction), window, near::NOWHERE);
+            let near = near(simd, block, (position, direction), window, near::NOWHERE);
+            let mut slots = near.to_bitmask() as u32;
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;
@@ -298,7 +299,7 @@ impl ShapeFlight<'_> {
         lane.inside = Inside {
             body,
             placement: Placement::of(ShapeWord::of_slot(body.word)),
-            leave: 0.0,
+            leave: lane.travelled,
             through: NOWHERE,
             meets_surface: false,
             overlaps: grains.overlaps(at),
@@ -307,9 +308,10 @@ impl ShapeFlight<'_> {
         lane.in_ice = true;
         (lane.nearest, lane.leaving) = (None, None);
         begin_afresh(lane);
+        lane.counted = lane.travelled;
     }
 
-    /// Takes a path back that visits a grain, whose stretch begins where it stands inside.
+    /// Takes a path back that visits a grain, and has been told where it is.
     pub(super) fn hand_back(&mut self, index: usize, departure: &Departure) {
         self.in_grains[index / GROUP].end(index % GROUP);
         let lane = &mut self.lanes[index];
@@ -317,7 +319,6 @@ impl ShapeFlight<'_> {
             lane.inside.through = part_of(slabs, departure.face);
         }
         lane.add_ice(departure.ice * lane.inside.placement.radius);
-        lane.inside.leave = 0.0;
         lane.event = departure.event;
         lane.turns = departure.turns;
     }

@@ -7,19 +7,14 @@ use super::slabs::{Bodies, D, Vectors, WIDTH, Within, turned_back, within};
 use super::stretches::{Stretches, next};
 use super::visits::{Met, Visits};
 use super::{BodyPart, GROUP, ShapeFlight};
-use crate::grain_grid::{AXES, CellEntry, GridShapes, Prototype, ROUND, ShapeWord, Slabs};
+use crate::grain_grid::{
+    AXES, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, OVERLAPS, Prototype, ROUND,
+    ShapeWord, Slabs,
+};
 use fearless_simd::prelude::*;
-use fearless_simd::u64x8;
+use fearless_simd::{u32x16, u64x8};
 use snowgrain_geometry::GrainShape;
 use snowgrain_math::DVec3;
-
-/// A grain that a path of a group may meet, or that may cover it.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    at: u32,
-    slot: u32,
-    block: usize,
-}
 
 /// What the prototypes of a grid are, as far as the vectors ask.
 #[derive(Clone, Copy, Debug)]
@@ -83,28 +78,51 @@ impl<'a> Kinds<'a> {
     }
 }
 
-/// Which grains of a block a path may meet.
-#[derive(Clone, Copy, Debug)]
+/// A block that a path asked.
+#[derive(Clone, Copy, Debug, Default)]
 struct Asked {
     at: u32,
-    slots: u32,
-    block: usize,
+    block: u32,
 }
 
-/// Room for the candidates of a group.
+/// Blocks that the paths of a group ask at most.
+const MOST_ASKED: usize = GROUP * CellEntry::MAX_BLOCKS_PER_CELL;
+
+/// A grain that holds the end of a path's chord.
+#[derive(Debug)]
+struct Cover {
+    at: usize,
+    /// Where on the stretch it is left.
+    gone: f64,
+    met: Met,
+}
+
+/// Room for the candidates of a group: grains that its paths may meet, or that may cover the ends of their chords.
 #[derive(Debug)]
 pub(super) struct Scratch {
-    asked: Vec<Asked>,
-    candidates: Vec<Candidate>,
+    asked: [Asked; MOST_ASKED],
+    /// Of each candidate which block was asked, and its slot there in the last four bits.
+    candidates: [u32; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
+    count: usize,
+    covers: Vec<Cover>,
     eight: Eight,
     told: Told,
 }
 
 impl Default for Scratch {
     fn default() -> Self {
-        Self { asked: Vec::new(), candidates: Vec::new(), eight: Eight::NONE, told: Told::NOTHING }
+        Self {
+            asked: [Asked::default(); MOST_ASKED],
+            candidates: [0; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
+            count: 0,
+            covers: Vec::new(),
+            eight: Eight::NONE,
+            told: Told::NOTHING,
+        }
     }
 }
+
+const SLOTS: [u32; GRAINS_PER_BLOCK] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Eight candidates as the vectors want them.
 #[derive(Debug)]
@@ -134,9 +152,8 @@ struct Told {
     /// Where on the stretch they are entered and left, quanta.
     at: [f64; WIDTH],
     gone: [f64; WIDTH],
-    /// Those that are met, and those that hold the origin.
+    /// Those that are met.
     met: u32,
-    holds: u32,
 }
 
 impl Eight {
@@ -177,16 +194,13 @@ impl Eight {
         let radius = numbers(simd, words >> GrainShape::BITS, 0.0);
         let load = |rows: &[[f64; WIDTH]; 3]| Vectors::<S>::load(simd, rows, 0);
         let center = load(&self.center).sum(load(&self.offset));
-        let zero = D::<S>::splat(simd, 0.0);
         let inverse = D::<S>::splat(simd, 1.0) / radius;
         let origin = turned_back(axes, load(&self.origin).minus(center)).scaled(inverse);
         let direction = turned_back(axes, load(&self.direction));
         let bodies = kinds.bodies(simd, (&self.half, &self.shrink), 0);
         let Within { enter, leave, by } = within(simd, &bodies, origin, direction);
         let (at, gone) = (enter * radius, leave * radius);
-        let met = enter.simd_lt(leave);
-        told.met = met.to_bitmask() as u32;
-        told.holds = (met & at.simd_le(zero) & gone.simd_gt(zero)).to_bitmask() as u32;
+        told.met = enter.simd_lt(leave).to_bitmask() as u32;
         center.store(&mut told.center, 0);
         let [x, y, z] = axes;
         x.store(&mut told.axes[0], 0);
@@ -214,29 +228,22 @@ impl Told {
         at: [0.0; WIDTH],
         gone: [0.0; WIDTH],
         met: 0,
-        holds: 0,
     };
 
     /// The grain of one of the eight.
     #[inline(always)]
-    fn met<'a>(
-        &self,
-        i: usize,
-        candidate: &Candidate,
-        (word, slabs): (u64, Option<&'a Slabs>),
-    ) -> Met<'a> {
+    fn met(&self, i: usize, (block, slot): (usize, usize), word: u64) -> Met {
         let of = |rows: &[[f64; WIDTH]; 3]| DVec3::new(rows[0][i], rows[1][i], rows[2][i]);
         Met {
             body: BodyPart { center: of(&self.center), word, part: 0 },
-            block: candidate.block,
-            slot: candidate.slot as usize,
+            block,
+            slot,
             radius: self.radius[i],
             axes: self.axes.each_ref().map(of),
             origin: of(&self.origin),
             direction: of(&self.direction),
             enter: self.enter[i],
             face: self.by[i],
-            slabs,
         }
     }
 }
@@ -295,41 +302,55 @@ impl ShapeFlight<'_> {
     #[inline(always)]
     pub(super) fn gather<S: Simd>(&mut self, simd: S, first: usize) -> u32 {
         let stretches = &self.stretches[first / GROUP];
-        let Scratch { asked, candidates, .. } = &mut *self.scratch;
+        let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
+        let slots = u32x16::from_slice(simd, &SLOTS);
         let mut lanes = stretches.air | stretches.asking;
-        asked.clear();
+        let mut blocks = 0;
+        *count = 0;
         while let Some(at) = next(&mut lanes) {
             let get = |rows: &[[f32; GROUP]; 3]| [rows[0][at], rows[1][at], rows[2][at]];
             let ray = (get(&stretches.position), get(&stretches.course));
             let window = [stretches.window[0][at], stretches.window[1][at]];
             let but = get(&stretches.own);
             for number in CellEntry(stretches.entry[at]).blocks() {
-                let slots = near(simd, &self.grid.blocks()[number], ray, window, but);
-                asked.push(Asked { at: at as u32, slots, block: number });
+                let near = near(simd, &self.grid.blocks()[number], ray, window, but);
+                // Without a branch that would wait for the answer.
+                let found = simd.compress_u32x16(slots | (blocks << 4) as u32, near);
+                found.store_slice(&mut candidates[*count..*count + GRAINS_PER_BLOCK]);
+                *count += near.to_bitmask().count_ones() as usize;
+                asked[blocks] = Asked { at: at as u32, block: number as u32 };
+                blocks += 1;
             }
         }
-        // What was found is taken in a pass of its own: it waits for the vectors, which would else hold up the next ones.
-        candidates.clear();
-        let center_of = |block: usize, slot: u32| {
-            let (block, slot) = (&self.grid.blocks()[block], slot as usize);
-            DVec3::new(block.x[slot].into(), block.y[slot].into(), block.z[slot].into())
-        };
-        let mut others = 0;
-        for &Asked { at, mut slots, block } in asked.iter() {
-            while slots != 0 {
-                let slot = slots.trailing_zeros() & 15;
-                slots &= slots - 1;
-                let word = self.shapes.blocks[block][slot as usize];
-                if !self.kinds.has_slabs(word) {
-                    others |= 1 << at;
-                } else if !(self.shapes.concentric
-                    && stretches.is_own(at as usize & (GROUP - 1), center_of(block, slot), word))
-                {
-                    candidates.push(Candidate { at, slot, block });
-                }
-            }
+        if self.kinds.all_have_slabs && !self.shapes.concentric {
+            return 0;
         }
+        let others = self.sort_out(first);
         self.look_at_others(simd, first, others)
+    }
+
+    /// Takes the grains of other shapes, and those that paths stand on, out of the candidates; the paths that may meet the
+    /// former.
+    fn sort_out(&mut self, first: usize) -> u32 {
+        let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
+        let (mut kept, mut others) = (0, 0);
+        for index in 0..*count {
+            let candidate = candidates[index];
+            let Asked { at, block } = asked[candidate as usize / GRAINS_PER_BLOCK];
+            let (block, slot) = (block as usize, candidate as usize % GRAINS_PER_BLOCK);
+            let word = self.shapes.blocks[block][slot];
+            let grains = &self.grid.blocks()[block];
+            let center = [grains.x[slot], grains.y[slot], grains.z[slot]];
+            let center = DVec3::from_array(center.map(f64::from));
+            if !self.kinds.has_slabs(word) {
+                others |= 1 << at;
+            } else if !self.stretches[first / GROUP].is_own(at as usize, center, word) {
+                candidates[kept] = candidate;
+                kept += 1;
+            }
+        }
+        *count = kept;
+        others
     }
 
     /// Looks at the grains of other shapes that these paths may meet, one by one, and notes the nearest; which paths are
@@ -372,50 +393,94 @@ impl ShapeFlight<'_> {
             direction: DVec3::X,
             enter: entry.at_radii,
             face: 0.0,
-            slabs: None,
         };
-        self.in_grains[index / GROUP].meet(index % GROUP, &met);
+        self.in_grains[index / GROUP].meet(index % GROUP, &met, None);
         self.stretches[index / GROUP].nearest[index % GROUP] = entry.at;
     }
 
     /// Looks at candidates: of each path in air the nearest that it enters, the first of two that it enters in one point;
-    /// which paths at the ends of chords are covered.
+    /// and those that hold the ends of chords.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&mut self, simd: S, first: usize) -> u32 {
-        let Scratch { candidates, eight, told, .. } = &mut *self.scratch;
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, first: usize) {
+        let Scratch { asked, candidates, count, covers, eight, told } = &mut *self.scratch;
         let (kinds, blocks, shapes) = (self.kinds, self.grid.blocks(), self.shapes);
         let stretches = &mut self.stretches[first / GROUP];
-        let met: &mut Visits = &mut self.in_grains[first / GROUP];
-        let mut covered = 0;
-        for some in candidates.chunks(WIDTH) {
-            for (i, candidate) in some.iter().enumerate() {
-                let (block, slot) = (&blocks[candidate.block], candidate.slot as usize & 15);
+        let grains: &mut Visits = &mut self.in_grains[first / GROUP];
+        let mut places = [(0, 0, 0); WIDTH];
+        for some in candidates[..*count].chunks(WIDTH) {
+            for (i, &candidate) in some.iter().enumerate() {
+                let Asked { at, block } = asked[candidate as usize / GRAINS_PER_BLOCK % MOST_ASKED];
+                let (at, number) = (at as usize & (GROUP - 1), block as usize);
+                let (block, slot) = (&blocks[number], candidate as usize % GRAINS_PER_BLOCK);
+                places[i] = (at, number, slot);
                 let center = [block.x[slot], block.y[slot], block.z[slot]];
-                let word = shapes.blocks[candidate.block][slot];
-                eight.set(i, (stretches, candidate.at as usize & (GROUP - 1)), center, word);
+                let word = shapes.blocks[number][slot];
+                eight.set(i, (stretches, at), center, word);
                 if let Some(slabs) = kinds.slabs_of(word) {
                     eight.set_faces(i, slabs);
                 }
             }
             eight.ask(simd, kinds, told);
-            let mut met_here = told.met & ((1 << some.len()) - 1);
-            while met_here != 0 {
-                let i = met_here.trailing_zeros() as usize & (WIDTH - 1);
-                met_here &= met_here - 1;
-                let candidate = &some[i];
-                let at = candidate.at as usize & (GROUP - 1);
+            let mut met = told.met & ((1 << some.len()) - 1);
+            while met != 0 {
+                let i = met.trailing_zeros() as usize & (WIDTH - 1);
+                met &= met - 1;
+                let (at, block, slot) = places[i];
+                let (enters, gone, word) = (told.at[i], told.gone[i], eight.word[i]);
+                let is_ahead = gone > stretches.travelled[at];
                 if stretches.asking >> at & 1 != 0 {
-                    covered |= (told.holds >> i & 1) << at;
-                } else if (told.gone[i] > stretches.travelled[at])
-                    & (told.at[i] < stretches.nearest[at])
-                {
-                    stretches.nearest[at] = told.at[i];
-                    let word = eight.word[i];
-                    met.meet(at, &told.met(i, candidate, (word, kinds.slabs_of(word))));
+                    if is_ahead & (enters <= stretches.travelled[at]) {
+                        covers.push(Cover { at, gone, met: told.met(i, (block, slot), word) });
+                    }
+                } else if is_ahead & (enters < stretches.nearest[at]) {
+                    stretches.nearest[at] = enters;
+                    let met = told.met(i, (block, slot), word);
+                    grains.meet(at, &met, kinds.slabs_of(word));
                 }
             }
         }
-        covered
+    }
+
+    /// Lets the paths at whose chords' ends other ice lies go on into the grain that they leave last; but those that are
+    /// `covered` by grains of other shapes, and those that few paths are like, as those in such grains do.
+    #[inline(always)]
+    pub(super) fn cross(&mut self, first: usize, mut covered: u32) {
+        if self.scratch.covers.is_empty() && covered == 0 {
+            return;
+        }
+        let mut covers = std::mem::take(&mut self.scratch.covers);
+        let (mut crosses, is_noted) = (0u32, self.visits.is_some());
+        for cover in &covers {
+            let flags = self.grid.blocks()[cover.met.block].radius[cover.met.slot];
+            let is_rare = is_noted || flags & MEETS_SURFACE != 0;
+            crosses |= 1 << cover.at;
+            covered |= u32::from(is_rare) << cover.at;
+        }
+        crosses &= !covered;
+        while let Some(at) = next(&mut crosses) {
+            let of_it = covers.iter().filter(|cover| cover.at == at);
+            let last = of_it.reduce(|last, next| if next.gone > last.gone { next } else { last });
+            if let Some(cover) = last {
+                self.cross_into(first + at, cover);
+            }
+        }
+        covers.clear();
+        self.scratch.covers = covers;
+        while let Some(at) = next(&mut covered) {
+            self.leave_visit(first + at);
+        }
+    }
+
+    /// Lets a path go on into another grain along its stretch.
+    fn cross_into(&mut self, index: usize, Cover { gone, met, .. }: &Cover) {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let (lane, grains) = (&mut self.lanes[index], &mut self.in_grains[group]);
+        lane.add_ice(grains.ice(at));
+        lane.inside.stratum = self.grid.strata().get(met.block).map_or(0, |strata| strata[met.slot]);
+        let end = self.stretches[group].travelled[at];
+        grains.cross(at, met, self.kinds.slabs_of(met.body.word), end);
+        grains.set_overlaps(at, self.grid.blocks()[met.block].radius[met.slot] & OVERLAPS != 0);
+        self.stretches[group].go_on(&self.cells, at, lane, *gone, met.body);
     }
 }
 

@@ -7,7 +7,7 @@ use super::near::{self, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 impl ShapeFlight<'_> {
     /// Follows a path in ice for as long as what its cells hold is known: from the origin of a stretch that stands on
@@ -76,7 +76,9 @@ impl ShapeFlight<'_> {
         let mut best: Option<Inside> = None;
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let mut slots = near(simd, block, (position, direction), [f32::NEG_INFINITY, 0.0], near::NOWHERE);
+            let window = [f32::NEG_INFINITY, 0.0];
+            let near = near(simd, block, (position, direction), window, near::NOWHERE);
+            let mut slots = near.to_bitmask() as u32;
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;

@@ -291,6 +291,7 @@ impl<'a> ShapeFlight<'a> {
         lane.travelled = 0.0;
         let direction = placement.rotation * departure.direction;
         lane.begin_stretch(&self.cells, 0.0, direction);
+        lane.inside.leave = 0.0;
         self.hand_back(index, &departure);
         self.stop(index, FlightEvent::Trapped);
     }

@@ -3,7 +3,7 @@
 use super::stretches::{begin_afresh, next};
 use super::{GROUP, Phase, ShapeFlight, VISITS_AT_ONCE};
 use crate::flight::MAX_TURNS_IN_ICE;
-use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Storage};
+use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Storage};
 use crate::prefetch::prefetch;
 use fearless_simd::Simd;
 
@@ -37,7 +37,7 @@ impl ShapeFlight<'_> {
         let first = group * GROUP;
         self.stretches[group].look_ahead(simd, &self.cells, self.shapes.concentric);
         let covered = self.gather(simd, first);
-        let mut covered = covered | self.meet(simd, first);
+        self.meet(simd, first);
         let mut ice = self.in_ice[group];
         let flying = self.stretches[group].air != 0 || self.in_grains[group].any() || ice != 0;
         self.step_in_air(simd, first);
@@ -45,11 +45,9 @@ impl ShapeFlight<'_> {
             self.in_ice[group] &= !(1 << at);
             self.go_on_in_ice(simd, first + at, None);
         }
-        while let Some(at) = next(&mut covered) {
-            self.leave_visit(first + at);
-        }
+        self.cross(first, covered);
         self.step_in_grains(simd, first);
-        self.prefetch_entries(group);
+        self.prefetch_entries(simd, group);
         flying
     }
 
@@ -58,7 +56,7 @@ impl ShapeFlight<'_> {
     fn step_in_air<S: Simd>(&mut self, simd: S, first: usize) {
         let stretches = &self.stretches[first / GROUP];
         let hits = stretches.hits(simd);
-        let rare = self.rare(first);
+        let rare = stretches.rare(simd);
         let (mut arriving, mut alone) = (0, rare);
         let mut meeting = hits & !rare;
         while let Some(at) = next(&mut meeting) {
@@ -80,19 +78,6 @@ impl ShapeFlight<'_> {
                 self.go_on_in_air(index);
             }
         }
-    }
-
-    /// Paths in air that cross an empty brick, or in whose cell a surface lies.
-    #[inline(always)]
-    fn rare(&self, first: usize) -> u32 {
-        let stretches = &self.stretches[first / GROUP];
-        let is_rare = |entry: u32| {
-            entry & CellEntry::SURFACE != 0 || CellEntry(entry) == CellEntry::EMPTY_BRICK
-        };
-        let rare = stretches.entry.iter().rev().fold(0, |lanes, &entry| {
-            lanes << 1 | u32::from(is_rare(entry))
-        });
-        rare & stretches.air
     }
 
     /// Whether a path that meets a grain arrives there as most do, with others; then that is booked.
@@ -134,11 +119,12 @@ impl ShapeFlight<'_> {
         while let Some(at) = next(&mut trapped) {
             self.stop_in_grain(first + at);
         }
+        let crossing = self.in_grains[group].crossing();
         let off = self.in_grains[group].travel(simd, self.kinds, self.eta);
         let grains = &mut self.in_grains[group];
         let asking = grains.may_be_covered();
         let (mut out, stretches) = (out | off, &mut self.stretches[group]);
-        let mut strayed = stretches.begin(simd, &self.cells, out | asking, grains);
+        let mut strayed = stretches.begin(simd, &self.cells, out | (asking & !crossing), grains);
         stretches.asking = asking;
         stretches.air |= out;
         while let Some(at) = next(&mut strayed) {
@@ -151,12 +137,13 @@ impl ShapeFlight<'_> {
 
     /// Asks for what the cells of a group's paths hold.
     #[inline(always)]
-    fn prefetch_entries(&self, group: usize) {
+    fn prefetch_entries<S: Simd>(&mut self, simd: S, group: usize) {
         let Storage::Packed(cells) = self.grid.storage() else { return };
-        let stretches = &self.stretches[group];
+        let stretches = &mut self.stretches[group];
+        stretches.find_bricks(simd, cells.brick_steps());
         let mut lanes = stretches.air | stretches.asking;
         while let Some(at) = next(&mut lanes) {
-            cells.prefetch(stretches.cell_of(at));
+            cells.prefetch_at(stretches.brick[at], stretches.within_brick[at]);
         }
     }
 
@@ -166,10 +153,15 @@ impl ShapeFlight<'_> {
         let stretches = &mut self.stretches[group];
         let mut lanes = stretches.air | stretches.asking;
         while let Some(at) = next(&mut lanes) {
-            let entry = self.grid.entry(stretches.cell_of(at));
+            let entry = match self.grid.storage() {
+                Storage::Packed(cells) => {
+                    cells.entry_at(stretches.brick[at], stretches.within_brick[at])
+                }
+                Storage::Lattice(_) | Storage::Sites(_) => self.grid.entry(stretches.cell_of(at)),
+            };
             stretches.entry[at] = entry.0;
-            self.grid.prefetch_blocks(entry);
             for number in entry.blocks() {
+                self.grid.blocks()[number].prefetch();
                 let words = &self.shapes.blocks[number];
                 prefetch(&words[0]);
                 prefetch(&words[8]);

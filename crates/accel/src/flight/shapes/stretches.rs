@@ -11,7 +11,7 @@ use super::slabs::{D, Truth, Vectors, WIDTH};
 use super::visits::Visits;
 use crate::grain_grid::CellEntry;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, f64x8, i32x16, mask32x16, mask64x8};
+use fearless_simd::{f32x16, f64x8, i32x16, mask32x16, mask64x8, u32x16};
 use snowgrain_math::DVec3;
 
 /// The stretches of a group. Lengths in quanta.
@@ -29,7 +29,9 @@ pub(super) struct Stretches {
     pub(super) travelled: [f64; GROUP],
     pub(super) cell: [[i32; GROUP]; 3],
     home: [[i32; GROUP]; 3],
-    /// What the cell holds.
+    /// The brick of the cell, its place there, and what it holds.
+    pub(super) brick: [u32; GROUP],
+    pub(super) within_brick: [u32; GROUP],
     pub(super) entry: [u32; GROUP],
     /// The part on which the path stands, which it does not meet: of no word where it stands on none.
     pub(super) own_center: [[f64; GROUP]; 3],
@@ -64,6 +66,8 @@ impl Default for Stretches {
             travelled: [0.0; GROUP],
             cell: [[0; GROUP]; 3],
             home: [[0; GROUP]; 3],
+            brick: [0; GROUP],
+            within_brick: [0; GROUP],
             entry: [0; GROUP],
             own_center: [[0.0; GROUP]; 3],
             own_word: [0; GROUP],
@@ -435,11 +439,50 @@ impl Stretches {
         }
     }
 
+    /// Goes on along a stretch, up to `end` of it, in another grain.
+    pub(super) fn go_on(
+        &mut self,
+        cells: &Cells,
+        at: usize,
+        lane: &mut Lane,
+        end: f64,
+        into: BodyPart,
+    ) {
+        self.tell_place(at, lane);
+        lane.seek_cell(cells, end);
+        lane.travelled = end;
+        self.take_place(at, lane);
+        set_vector(&mut self.own_center, at, into.center);
+        (self.own_word[at], self.own_part[at]) = (into.word, into.part);
+    }
+
     /// Whether a grain, whose centre is told from the cell, is the one that a path stands on.
     #[inline(always)]
     pub(super) fn is_own(&self, at: usize, center: DVec3, word: u64) -> bool {
         let is_same = || center + vector(&self.offset, at) == vector(&self.own_center, at);
         word == self.own_word[at] && is_same()
+    }
+
+    /// Paths in air that cross an empty brick, or in whose cell a surface lies.
+    #[inline(always)]
+    pub(super) fn rare<S: Simd>(&self, simd: S) -> u32 {
+        let entry = u32x16::from_slice(simd, &self.entry);
+        let surface = (entry & CellEntry::SURFACE).simd_gt(u32x16::splat(simd, 0));
+        let empty = entry.simd_eq(u32x16::splat(simd, CellEntry::EMPTY_BRICK.0));
+        self.air & (surface | empty).to_bitmask() as u32
+    }
+
+    /// Finds the bricks of the cells, by what a step of one brick along each axis adds to its number.
+    #[inline(always)]
+    pub(super) fn find_bricks<S: Simd>(&mut self, simd: S, brick_steps: [u32; 3]) {
+        let (mut brick, mut within) = (u32x16::splat(simd, 0), u32x16::splat(simd, 0));
+        for axis in 0..3 {
+            let cell: u32x16<S> = i32x16::from_slice(simd, &self.cell[axis]).bitcast();
+            brick += (cell >> 3) * u32x16::splat(simd, brick_steps[axis]);
+            within |= (cell & 7) << (3 * axis as u32);
+        }
+        brick.store_slice(&mut self.brick);
+        within.store_slice(&mut self.within_brick);
     }
 
     #[inline(always)]

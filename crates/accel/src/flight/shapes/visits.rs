@@ -26,6 +26,8 @@ pub(super) struct Visits {
     /// Paths that stand outside, at the face by which they would enter, and paths inside, at the end of a chord.
     fresh: u32,
     inside: u32,
+    /// Paths that have come from one grain into another.
+    crossing: u32,
     /// Paths in grains that other ice may overlap.
     overlapping: u32,
     /// The grains: centres from the corners of the paths' home cells, the axes of their spaces in the world, radii.
@@ -56,6 +58,7 @@ impl Default for Visits {
         Self {
             fresh: 0,
             inside: 0,
+            crossing: 0,
             overlapping: 0,
             center: [[0.0; GROUP]; 3],
             axes: [[[0.0; GROUP]; 3]; 3],
@@ -79,7 +82,8 @@ impl Default for Visits {
 }
 
 /// A grain that a path meets.
-pub(super) struct Met<'a> {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Met {
     pub(super) body: BodyPart,
     pub(super) block: usize,
     pub(super) slot: usize,
@@ -89,9 +93,8 @@ pub(super) struct Met<'a> {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
     pub(super) enter: f64,
-    /// The face by which it does, and all faces, where these are parallel.
+    /// The face by which it does.
     pub(super) face: f64,
-    pub(super) slabs: Option<&'a Slabs>,
 }
 
 /// A path after its visit, in the grain's space, on the face of the grain.
@@ -108,9 +111,9 @@ pub(super) struct Departure {
 }
 
 impl Visits {
-    /// Notes the grain that a path in air meets, as far as is known.
+    /// Notes the grain that a path in air meets, as far as is known, and its faces where not all grains have the same.
     #[inline(always)]
-    pub(super) fn meet(&mut self, at: usize, met: &Met<'_>) {
+    pub(super) fn meet(&mut self, at: usize, met: &Met, slabs: Option<&Slabs>) {
         set_vector(&mut self.center, at, met.body.center);
         for (axes, axis) in self.axes.iter_mut().zip(met.axes) {
             set_vector(axes, at, axis);
@@ -121,7 +124,7 @@ impl Visits {
         (self.word[at], self.part[at]) = (met.body.word, met.body.part);
         (self.block[at], self.slot[at]) = (met.block as u32, met.slot as u32);
         (self.enter[at], self.on[at]) = (met.enter, met.face);
-        if let Some(Slabs { half, shrink, .. }) = met.slabs {
+        if let Some(Slabs { half, shrink, .. }) = slabs {
             for (row, half) in self.half.iter_mut().zip(half) {
                 row[at] = *half;
             }
@@ -183,6 +186,22 @@ impl Visits {
         self.key[1][at] = prepared(key.hi);
         self.event[at] = prepared(event);
         self.turns[at] = 0;
+        self.set_overlaps(at, overlaps);
+    }
+
+    /// Lets a path, that stands at the end of its chord `end` quanta after the beginning of its stretch, go on into another
+    /// grain.
+    pub(super) fn cross(&mut self, at: usize, met: &Met, slabs: Option<&Slabs>, end: f64) {
+        self.meet(at, met, slabs);
+        self.on[at] = 0.0;
+        self.ice[at] = -(end / met.radius);
+        self.inside &= !(1 << at);
+        self.crossing |= 1 << at;
+    }
+
+    /// Tells whether other ice may overlap the grain of a path.
+    #[inline(always)]
+    pub(super) fn set_overlaps(&mut self, at: usize, overlaps: bool) {
         self.overlapping &= !(1 << at);
         self.overlapping |= u32::from(overlaps) << at;
     }
@@ -190,7 +209,19 @@ impl Visits {
     /// Whether any path is here.
     #[inline(always)]
     pub(super) fn any(&self) -> bool {
-        self.fresh | self.inside != 0
+        self.fresh | self.inside | self.crossing != 0
+    }
+
+    /// Paths that have come from one grain into another, whose stretches have not begun in these.
+    #[inline(always)]
+    pub(super) fn crossing(&self) -> u32 {
+        self.crossing
+    }
+
+    /// Length in ice of a path in its grain, quanta.
+    #[inline(always)]
+    pub(super) fn ice(&self, at: usize) -> f64 {
+        self.ice[at] * self.radius[at]
     }
 
     /// Paths that stand at the end of a chord in grains that other ice may overlap.
@@ -204,6 +235,7 @@ impl Visits {
     pub(super) fn end(&mut self, at: usize) {
         self.fresh &= !(1 << at);
         self.inside &= !(1 << at);
+        self.crossing &= !(1 << at);
     }
 
     /// Paths that have met more interfaces than this without coming out.
@@ -229,7 +261,7 @@ impl Visits {
     /// Length in ice of a path, quanta, and its next random event.
     #[inline(always)]
     pub(super) fn outcome(&self, at: usize) -> (f64, u32) {
-        (self.ice[at] * self.radius[at], unprepared(self.event[at]))
+        (self.ice(at), unprepared(self.event[at]))
     }
 
     /// Copies the path at `from` of `source` to `to`.
@@ -260,8 +292,8 @@ impl Visits {
         self.end(to);
         self.fresh |= (source.fresh >> from & 1) << to;
         self.inside |= (source.inside >> from & 1) << to;
-        self.overlapping &= !(1 << to);
-        self.overlapping |= (source.overlapping >> from & 1) << to;
+        self.crossing |= (source.crossing >> from & 1) << to;
+        self.set_overlaps(to, source.overlaps(from));
     }
 
     /// At the ends of chords: out, or reflected. Those that are outside.
@@ -288,8 +320,9 @@ impl Visits {
     #[inline(always)]
     pub(super) fn travel<S: Simd>(&mut self, simd: S, kinds: Kinds<'_>, eta: f64) -> u32 {
         let random = self.random(simd);
-        let (fresh, inside) = (self.fresh, self.inside);
+        let (fresh, inside) = (self.fresh, self.inside | self.crossing);
         self.use_events(simd, fresh);
+        self.inside = inside;
         for (half, &random) in random.iter().enumerate() {
             let first = half * WIDTH;
             let lanes = [bits(fresh, first), bits(inside, first)];
@@ -298,7 +331,7 @@ impl Visits {
                 self.inside |= (entered.to_bitmask() as u32) << first;
             }
         }
-        self.fresh = 0;
+        (self.fresh, self.crossing) = (0, 0);
         fresh & !self.inside
     }
 
