@@ -2,7 +2,7 @@
 
 use super::body::ELLIPSOID;
 use super::lane::Lane;
-use super::near::near;
+use super::near::{around, near};
 use super::slabs::{Bodies, D, Vectors, WIDTH, Within, turned_back, within};
 use super::stretches::{Stretches, next};
 use super::visits::{Met, Visits};
@@ -12,7 +12,7 @@ use crate::grain_grid::{
     ShapeWord, Slabs,
 };
 use fearless_simd::prelude::*;
-use fearless_simd::{u32x16, u64x8};
+use fearless_simd::{mask32x16, u32x16, u64x8};
 use snowgrain_geometry::GrainShape;
 use snowgrain_math::DVec3;
 
@@ -304,24 +304,35 @@ impl ShapeFlight<'_> {
         let stretches = &self.stretches[first / GROUP];
         let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
         let slots = u32x16::from_slice(simd, &SLOTS);
-        let mut lanes = stretches.air | stretches.asking;
-        let mut blocks = 0;
-        *count = 0;
+        let get = |rows: &[[f32; GROUP]; 3], at: usize| [rows[0][at], rows[1][at], rows[2][at]];
+        let (mut blocks, mut found) = (0, 0);
+        let mut list = |at: usize, number: usize, near: mask32x16<S>| {
+            // Without a branch that would wait for the answer.
+            let slots = simd.compress_u32x16(slots | (blocks << 4) as u32, near);
+            slots.store_slice(&mut candidates[found..found + GRAINS_PER_BLOCK]);
+            found += near.to_bitmask().count_ones() as usize;
+            asked[blocks] = Asked { at: at as u32, block: number as u32 };
+            blocks += 1;
+        };
+        let mut lanes = stretches.air;
         while let Some(at) = next(&mut lanes) {
-            let get = |rows: &[[f32; GROUP]; 3]| [rows[0][at], rows[1][at], rows[2][at]];
-            let ray = (get(&stretches.position), get(&stretches.course));
+            let ray = (get(&stretches.position, at), get(&stretches.course, at));
             let window = [stretches.window[0][at], stretches.window[1][at]];
-            let but = get(&stretches.own);
+            let but = get(&stretches.own, at);
             for number in CellEntry(stretches.entry[at]).blocks() {
-                let near = near(simd, &self.grid.blocks()[number], ray, window, but);
-                // Without a branch that would wait for the answer.
-                let found = simd.compress_u32x16(slots | (blocks << 4) as u32, near);
-                found.store_slice(&mut candidates[*count..*count + GRAINS_PER_BLOCK]);
-                *count += near.to_bitmask().count_ones() as usize;
-                asked[blocks] = Asked { at: at as u32, block: number as u32 };
-                blocks += 1;
+                let block = &self.grid.blocks()[number];
+                list(at, number, near(simd, block, ray, window, but));
             }
         }
+        let mut lanes = stretches.asking;
+        while let Some(at) = next(&mut lanes) {
+            let (position, but) = (get(&stretches.position, at), get(&stretches.own, at));
+            for number in CellEntry(stretches.entry[at]).blocks() {
+                let block = &self.grid.blocks()[number];
+                list(at, number, around(simd, block, position, but));
+            }
+        }
+        *count = found;
         if self.kinds.all_have_slabs && !self.shapes.concentric {
             return 0;
         }

@@ -141,7 +141,7 @@ impl ShapeFlight<'_> {
         let Storage::Packed(cells) = self.grid.storage() else { return };
         let stretches = &mut self.stretches[group];
         stretches.find_bricks(simd, cells.brick_steps());
-        let mut lanes = stretches.air | stretches.asking;
+        let mut lanes = stretches.moved;
         while let Some(at) = next(&mut lanes) {
             cells.prefetch_at(stretches.brick[at], stretches.within_brick[at]);
         }
@@ -151,7 +151,7 @@ impl ShapeFlight<'_> {
     #[inline(always)]
     fn fetch_entries(&mut self, group: usize) {
         let stretches = &mut self.stretches[group];
-        let mut lanes = stretches.air | stretches.asking;
+        let mut lanes = std::mem::take(&mut stretches.moved);
         while let Some(at) = next(&mut lanes) {
             let entry = match self.grid.storage() {
                 Storage::Packed(cells) => {

@@ -21,6 +21,8 @@ pub(super) struct Stretches {
     pub(super) air: u32,
     /// Paths at the end of a chord in a grain that other ice may overlap: the stretch begins there.
     pub(super) asking: u32,
+    /// Paths that have come to another cell, of which it is not known yet what it holds.
+    pub(super) moved: u32,
     pub(super) origin: [[f64; GROUP]; 3],
     pub(super) direction: [[f64; GROUP]; 3],
     inverse: [[f64; GROUP]; 3],
@@ -59,6 +61,7 @@ impl Default for Stretches {
         Self {
             air: 0,
             asking: 0,
+            moved: 0,
             origin: [[0.0; GROUP]; 3],
             direction: [[0.0; GROUP]; 3],
             inverse: [[0.0; GROUP]; 3],
@@ -143,6 +146,7 @@ impl Stretches {
     pub(super) fn end(&mut self, at: usize) {
         self.air &= !(1 << at);
         self.asking &= !(1 << at);
+        self.moved &= !(1 << at);
     }
 
     /// Takes a path in that is in air.
@@ -158,6 +162,7 @@ impl Stretches {
         self.alone |= u32::from(is_alone) << at;
         self.entry[at] = lane.entry.0;
         self.air |= 1 << at;
+        self.moved |= 1 << at;
     }
 
     /// Takes over where a path is.
@@ -222,6 +227,9 @@ impl Stretches {
         self.alone &= !(1 << to);
         self.alone |= (source.alone >> from & 1) << to;
         self.air |= (source.air >> from & 1) << to;
+        self.moved |= (source.moved >> from & 1) << to;
+        self.brick[to] = source.brick[from];
+        self.within_brick[to] = source.within_brick[from];
         self.asking |= (source.asking >> from & 1) << to;
     }
 
@@ -291,13 +299,12 @@ impl Stretches {
         exit.store_slice(&mut self.exit[first..first + WIDTH]);
         let nearest = load(simd, &self.nearest, first);
         let last = nearest.simd_lt(exit).select(nearest, exit) - travelled;
-        let asks = truth(simd, self.asking, first);
         let begins = travelled.simd_gt(zero).select(zero, splat(f64::NEG_INFINITY));
         let origin = Vectors::load(simd, &self.origin, first);
         let direction = Vectors::load(simd, &self.direction, first);
         let local = origin.plus(direction, travelled);
         let local = local.minus(Vectors::load(simd, &self.offset, first));
-        (local, [asks.select(splat(f64::NEG_INFINITY), begins), asks.select(zero, last)])
+        (local, [begins, last])
     }
 
     /// Paths in air that enter the nearest grain before they leave their cell.
@@ -329,6 +336,7 @@ impl Stretches {
         }
         let stay = lanes & outside;
         let go = lanes & !outside;
+        self.moved |= go;
         for axis in 0..3 {
             let cell = i32x16::from_slice(simd, &self.cell[axis]);
             set(go).select(moved[axis], cell).store_slice(&mut self.cell[axis]);
@@ -366,6 +374,7 @@ impl Stretches {
         for axis in 0..3 {
             let steps: f32x16<S> = simd.narrow_f64x8(low[axis], high[axis]);
             let steps: i32x16<S> = these.select(steps, f32x16::splat(simd, 0.0)).to_int();
+            self.moved |= lanes & !(steps.simd_eq(none).to_bitmask() as u32);
             let before = i32x16::from_slice(simd, &self.cell[axis]);
             let cell = before + steps;
             cell.store_slice(&mut self.cell[axis]);
@@ -433,6 +442,7 @@ impl Stretches {
         lane.offset = DVec3::ZERO;
         lane.home = lane.cell;
         self.take_place(at, lane);
+        self.moved |= 1 << at;
         for centers in [&mut self.own_center, &mut grains.center] {
             let center = vector(centers, at);
             set_vector(centers, at, center - offset);
@@ -452,6 +462,7 @@ impl Stretches {
         lane.seek_cell(cells, end);
         lane.travelled = end;
         self.take_place(at, lane);
+        self.moved |= 1 << at;
         set_vector(&mut self.own_center, at, into.center);
         (self.own_word[at], self.own_part[at]) = (into.word, into.part);
     }
