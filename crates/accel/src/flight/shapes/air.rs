@@ -176,8 +176,7 @@ impl ShapeFlight<'_> {
     /// Centre of a grain of a block of the path's cell, from the corner of its home cell.
     #[inline(always)]
     pub(super) fn center(&self, lane: &Lane, number: usize, slot: usize) -> DVec3 {
-        let block = &self.grid.blocks()[number];
-        DVec3::new(block.x[slot].into(), block.y[slot].into(), block.z[slot].into()) + lane.offset
+        self.grid.blocks()[number].center(slot) + lane.offset
     }
 
     /// Whether the path meets a surface in its cell, before it enters a grain; then it stands there. A surface

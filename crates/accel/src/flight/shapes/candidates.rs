@@ -4,7 +4,7 @@ use super::body::ELLIPSOID;
 use super::lane::Lane;
 use super::near::{around, near};
 use super::slabs::{Bodies, D, Vectors, WIDTH, Within, turned_back, within};
-use super::stretches::{Stretches, next};
+use super::stretches::{Stretches, next, vector};
 use super::visits::{Met, Visits};
 use super::{BodyPart, GROUP, ShapeFlight};
 use crate::grain_grid::{
@@ -85,8 +85,8 @@ struct Asked {
     block: u32,
 }
 
-/// Blocks that the paths of a group ask at most.
-const MOST_ASKED: usize = GROUP * CellEntry::MAX_BLOCKS_PER_CELL;
+/// Room for the blocks that the paths of a group ask.
+const MOST_ASKED: usize = (GROUP * CellEntry::MAX_BLOCKS_PER_CELL).next_power_of_two();
 
 /// A grain that holds the end of a path's chord.
 #[derive(Debug)]
@@ -127,12 +127,9 @@ const SLOTS: [u32; GRAINS_PER_BLOCK] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12
 /// Eight candidates as the vectors want them.
 #[derive(Debug)]
 struct Eight {
-    /// Where the stretch begins, and along what, and from its home cell to the present one.
+    /// From the grain to where the stretch begins, and along what that goes.
     origin: [[f64; WIDTH]; 3],
     direction: [[f64; WIDTH]; 3],
-    offset: [[f64; WIDTH]; 3],
-    /// Centre of the grain in its cell.
-    center: [[f64; WIDTH]; 3],
     word: [u64; WIDTH],
     half: [[f64; WIDTH]; AXES],
     shrink: [[f64; WIDTH]; 2],
@@ -141,7 +138,6 @@ struct Eight {
 /// What is told of eight candidates.
 #[derive(Debug)]
 struct Told {
-    center: [[f64; WIDTH]; 3],
     axes: [[[f64; WIDTH]; 3]; 3],
     radius: [f64; WIDTH],
     /// The stretch in the spaces of the grains.
@@ -160,8 +156,6 @@ impl Eight {
     const NONE: Self = Self {
         origin: [[0.0; WIDTH]; 3],
         direction: [[0.0; WIDTH]; 3],
-        offset: [[0.0; WIDTH]; 3],
-        center: [[0.0; WIDTH]; 3],
         word: [1 << GrainShape::BITS; WIDTH],
         half: [[1.0; WIDTH]; AXES],
         shrink: [[0.0; WIDTH]; 2],
@@ -170,10 +164,9 @@ impl Eight {
     #[inline(always)]
     fn set(&mut self, i: usize, (stretches, at): (&Stretches, usize), center: [u16; 3], word: u64) {
         for axis in 0..3 {
-            self.origin[axis][i] = stretches.origin[axis][at];
+            let center = f64::from(center[axis]) + stretches.offset[axis][at];
+            self.origin[axis][i] = stretches.origin[axis][at] - center;
             self.direction[axis][i] = stretches.direction[axis][at];
-            self.offset[axis][i] = stretches.offset[axis][at];
-            self.center[axis][i] = f64::from(center[axis]);
         }
         self.word[i] = word;
     }
@@ -193,15 +186,13 @@ impl Eight {
         let axes = axes(simd, words);
         let radius = numbers(simd, words >> GrainShape::BITS, 0.0);
         let load = |rows: &[[f64; WIDTH]; 3]| Vectors::<S>::load(simd, rows, 0);
-        let center = load(&self.center).sum(load(&self.offset));
         let inverse = D::<S>::splat(simd, 1.0) / radius;
-        let origin = turned_back(axes, load(&self.origin).minus(center)).scaled(inverse);
+        let origin = turned_back(axes, load(&self.origin)).scaled(inverse);
         let direction = turned_back(axes, load(&self.direction));
         let bodies = kinds.bodies(simd, (&self.half, &self.shrink), 0);
         let Within { enter, leave, by } = within(simd, &bodies, origin, direction);
         let (at, gone) = (enter * radius, leave * radius);
         told.met = enter.simd_lt(leave).to_bitmask() as u32;
-        center.store(&mut told.center, 0);
         let [x, y, z] = axes;
         x.store(&mut told.axes[0], 0);
         y.store(&mut told.axes[1], 0);
@@ -218,7 +209,6 @@ impl Eight {
 
 impl Told {
     const NOTHING: Self = Self {
-        center: [[0.0; WIDTH]; 3],
         axes: [[[0.0; WIDTH]; 3]; 3],
         radius: [0.0; WIDTH],
         origin: [[0.0; WIDTH]; 3],
@@ -232,10 +222,10 @@ impl Told {
 
     /// The grain of one of the eight.
     #[inline(always)]
-    fn met(&self, i: usize, (block, slot): (usize, usize), word: u64) -> Met {
+    fn met(&self, i: usize, (block, slot): (usize, usize), body: BodyPart) -> Met {
         let of = |rows: &[[f64; WIDTH]; 3]| DVec3::new(rows[0][i], rows[1][i], rows[2][i]);
         Met {
-            body: BodyPart { center: of(&self.center), word, part: 0 },
+            body,
             block,
             slot,
             radius: self.radius[i],
@@ -350,9 +340,7 @@ impl ShapeFlight<'_> {
             let Asked { at, block } = asked[candidate as usize / GRAINS_PER_BLOCK];
             let (block, slot) = (block as usize, candidate as usize % GRAINS_PER_BLOCK);
             let word = self.shapes.blocks[block][slot];
-            let grains = &self.grid.blocks()[block];
-            let center = [grains.x[slot], grains.y[slot], grains.z[slot]];
-            let center = DVec3::from_array(center.map(f64::from));
+            let center = self.grid.blocks()[block].center(slot);
             if !self.kinds.has_slabs(word) {
                 others |= 1 << at;
             } else if !self.stretches[first / GROUP].is_own(at as usize, center, word) {
@@ -437,15 +425,21 @@ impl ShapeFlight<'_> {
                 let i = met.trailing_zeros() as usize & (WIDTH - 1);
                 met &= met - 1;
                 let (at, block, slot) = places[i];
-                let (enters, gone, word) = (told.at[i], told.gone[i], eight.word[i]);
+                let (enters, gone) = (told.at[i], told.gone[i]);
+                let asks = stretches.asking >> at & 1 != 0;
                 let is_ahead = gone > stretches.travelled[at];
-                if stretches.asking >> at & 1 != 0 {
-                    if is_ahead & (enters <= stretches.travelled[at]) {
-                        covers.push(Cover { at, gone, met: told.met(i, (block, slot), word) });
-                    }
-                } else if is_ahead & (enters < stretches.nearest[at]) {
+                let is_covered = asks & is_ahead & (enters <= stretches.travelled[at]);
+                if !is_covered & (asks | !is_ahead | (enters >= stretches.nearest[at])) {
+                    continue;
+                }
+                let word = eight.word[i];
+                let center = vector(&stretches.offset, at) + blocks[block].center(slot);
+                let body = BodyPart { center, word, part: 0 };
+                let met = told.met(i, (block, slot), body);
+                if is_covered {
+                    covers.push(Cover { at, gone, met });
+                } else {
                     stretches.nearest[at] = enters;
-                    let met = told.met(i, (block, slot), word);
                     grains.meet(at, &met, kinds.slabs_of(word));
                 }
             }

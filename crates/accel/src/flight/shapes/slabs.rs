@@ -48,11 +48,6 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub(super) fn sum(self, other: Self) -> Self {
-        Self(self.0 + other.0, self.1 + other.1, self.2 + other.2)
-    }
-
-    #[inline(always)]
     pub(super) fn minus(self, other: Self) -> Self {
         Self(self.0 - other.0, self.1 - other.1, self.2 - other.2)
     }
@@ -298,9 +293,8 @@ impl<S: Simd> Chords<S> {
 pub(super) struct Interfaces<S: Simd> {
     /// Whether light passes.
     pub(super) pass: Truth<S>,
-    /// Its direction if it does, if not.
-    pub(super) refracted: Vectors<S>,
-    pub(super) reflected: Vectors<S>,
+    /// Its direction then, if not that of what is reflected.
+    pub(super) turned: Vectors<S>,
 }
 
 impl<S: Simd> Interfaces<S> {
@@ -325,12 +319,10 @@ impl<S: Simd> Interfaces<S> {
         let (a, b) = (bent + beyond, cosine + splat(ratio) * beyond);
         let (a2, b2) = (a * a, b * b);
         let passes = splat(2.0 * ratio) * (cosine * beyond) * (a2 + b2);
-        let refracted = direction.scaled(splat(ratio)).plus(facing, bent - beyond);
-        Self {
-            pass: is_refracted & (random * (a2 * b2)).simd_lt(passes),
-            refracted: refracted.straightened(simd),
-            reflected: direction.plus(facing, cosine + cosine).straightened(simd),
-        }
+        let pass = is_refracted & (random * (a2 * b2)).simd_lt(passes);
+        let along = direction.scaled(pass.select(splat(ratio), one));
+        let turned = along.plus(facing, pass.select(bent - beyond, cosine + cosine));
+        Self { pass, turned: turned.straightened(simd) }
     }
 }
 

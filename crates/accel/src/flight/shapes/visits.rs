@@ -392,8 +392,7 @@ impl Visits {
         let outward = normals(simd, &bodies, on, place);
         let at = Interfaces::new(simd, (direction, outward), 1.0 / eta, random);
         let entered = fresh & at.pass;
-        let turned = Vectors::choose(at.pass, at.refracted, at.reflected);
-        let direction = Vectors::choose(fresh, turned, direction);
+        let direction = Vectors::choose(fresh, at.turned, direction);
         direction.store(&mut self.direction, first);
         let travels = entered | inside;
         let (length, by) = left(simd, &bodies, (place, direction), on);
@@ -422,8 +421,7 @@ impl Visits {
         let on = D::<S>::from_slice(simd, &self.on[first..first + WIDTH]);
         let inward = normals(simd, &bodies, on, place).scaled(D::<S>::splat(simd, -1.0));
         let at = Interfaces::new(simd, (direction, inward), eta, random);
-        let turned = Vectors::choose(at.pass, at.refracted, at.reflected);
-        Vectors::choose(at_end, turned, direction).store(&mut self.direction, first);
+        Vectors::choose(at_end, at.turned, direction).store(&mut self.direction, first);
         at_end & !at.pass
     }
 }
