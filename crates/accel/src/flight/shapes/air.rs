@@ -5,7 +5,6 @@ use super::candidates::part_of;
 use super::interface::Interface;
 use super::lane::{BodyPart, Entry, Inside, Lane, Phase, SurfaceAnswer};
 use super::near::{self, near};
-use super::stretches::begin_afresh;
 use super::visits::Departure;
 use super::{GROUP, SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent};
@@ -306,7 +305,7 @@ impl ShapeFlight<'_> {
         };
         lane.in_ice = true;
         (lane.nearest, lane.leaving) = (None, None);
-        begin_afresh(lane);
+        lane.begin_afresh();
         lane.counted = lane.travelled;
     }
 

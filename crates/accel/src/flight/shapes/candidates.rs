@@ -266,12 +266,8 @@ fn axes<S: Simd>(simd: S, words: u64x8<S>) -> [Vectors<S>; 3] {
         (words >> shift & one).simd_eq(one)
     };
     let by_one = bit(GrainShape::LARGEST_SHIFT);
-    let ring = [
-        by_one.select(c, rest),
-        by_one.select(rest, a),
-        by_one.select(a, b),
-        by_one.select(b, c),
-    ];
+    let ring =
+        [by_one.select(c, rest), by_one.select(rest, a), by_one.select(a, b), by_one.select(b, c)];
     let by_two = bit(GrainShape::LARGEST_SHIFT + 1);
     let component = |i: usize| by_two.select(ring[i ^ 2], ring[i]);
     let (x, y, z, w) = (component(0), component(1), component(2), component(3));
@@ -481,7 +477,8 @@ impl ShapeFlight<'_> {
         let (group, at) = (index / GROUP, index % GROUP);
         let (lane, grains) = (&mut self.lanes[index], &mut self.in_grains[group]);
         lane.add_ice(grains.ice(at));
-        lane.inside.stratum = self.grid.strata().get(met.block).map_or(0, |strata| strata[met.slot]);
+        lane.inside.stratum =
+            self.grid.strata().get(met.block).map_or(0, |strata| strata[met.slot]);
         let end = self.stretches[group].travelled[at];
         grains.cross(at, met, self.kinds.slabs_of(met.body.word), end);
         grains.set_overlaps(at, self.grid.blocks()[met.block].radius[met.slot] & OVERLAPS != 0);

@@ -26,9 +26,8 @@ impl<S: Simd> Around<S> {
     #[inline(always)]
     fn new(simd: S, block: &Block, position: [f32; 3], but: [f32; 3]) -> Self {
         let splat = |x: f32| f32x16::splat(simd, x);
-        let center = |words: &[u16; GRAINS_PER_BLOCK]| {
-            floats(simd, u16x16::from_slice(simd, words))
-        };
+        let center =
+            |words: &[u16; GRAINS_PER_BLOCK]| floats(simd, u16x16::from_slice(simd, words));
         let (x, y, z) = (center(&block.x), center(&block.y), center(&block.z));
         let is_itself =
             x.simd_eq(splat(but[0])) & y.simd_eq(splat(but[1])) & z.simd_eq(splat(but[2]));

@@ -1,11 +1,14 @@
 //! One round: of each group what its paths may meet, their steps in air and in grains, then the rare things one by one.
 
-use super::stretches::{begin_afresh, next};
+use super::body::{ELLIPSOID, normal};
+use super::candidates::part_of;
+use super::stretches::next;
 use super::{GROUP, Phase, ShapeFlight, VISITS_AT_ONCE};
 use crate::flight::MAX_TURNS_IN_ICE;
-use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Storage};
+use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord, Storage};
 use crate::prefetch::prefetch;
 use fearless_simd::Simd;
+use snowgrain_math::DVec3;
 
 impl ShapeFlight<'_> {
     /// Rounds until an event occurs or no path is left in flight.
@@ -84,25 +87,46 @@ impl ShapeFlight<'_> {
     #[inline(always)]
     fn arrives_with_others(&mut self, index: usize) -> bool {
         let (group, at) = (index / GROUP, index % GROUP);
-        let (stretches, grains) = (&self.stretches[group], &mut self.in_grains[group]);
-        let lane = &mut self.lanes[index];
+        let (stretches, grains) = (&self.stretches[group], &self.in_grains[group]);
+        let lane = &self.lanes[index];
         let (block, slot) = grains.slot(at);
         let flags = self.grid.blocks()[block].radius[slot & 15];
         let is_rare = flags & MEETS_SURFACE != 0
-            || lane.first.is_none()
             || self.visits.is_some()
             || self.deep.is_some()
             // Of a path that begins within the grain the place is not on the face.
             || stretches.nearest[at] < stretches.travelled[at]
             || !self.kinds.has_slabs(grains.word(at));
-        if is_rare {
+        if is_rare || (lane.first.is_none() && !self.note_first(index)) {
             return false;
         }
+        let (stretches, grains) = (&self.stretches[group], &mut self.in_grains[group]);
+        let lane = &mut self.lanes[index];
         lane.count_air(stretches.nearest[at]);
         lane.visits += 1;
         lane.phase = Phase::Visit;
         lane.inside.stratum = self.grid.strata().get(block).map_or(0, |strata| strata[slot & 15]);
         grains.begin(at, lane.key, lane.event, flags & OVERLAPS != 0);
+        true
+    }
+
+    /// Notes the first grain that a path meets, where it does so on a flat face.
+    fn note_first(&mut self, index: usize) -> bool {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let (stretches, grains) = (&self.stretches[group], &self.in_grains[group]);
+        let placement = Placement::of(ShapeWord::of_slot(grains.word(at)));
+        let Prototype { parts, slabs: Some(slabs) } = self.shapes.of(&placement) else {
+            return false;
+        };
+        let through = part_of(slabs, grains.face(at));
+        if through == ELLIPSOID {
+            return false;
+        }
+        let place = stretches.local(at, stretches.nearest[at]);
+        let place = self.grid.world_of(stretches.cell_of(at), place);
+        // All of a face has one normal.
+        let normal = placement.rotation * normal(&parts[0], through, DVec3::ZERO);
+        self.lanes[index].first = Some([place, normal]);
         true
     }
 
@@ -204,6 +228,6 @@ impl ShapeFlight<'_> {
         lane.event = event;
         lane.in_ice = false;
         lane.phase = Phase::Air;
-        begin_afresh(lane);
+        lane.begin_afresh();
     }
 }

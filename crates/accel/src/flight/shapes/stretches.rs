@@ -5,8 +5,7 @@
 //! (`land`) where it needs what few paths need, and put here (`board`) when it is in air again.
 
 use super::GROUP;
-use super::candidates::Kinds;
-use super::lane::{BodyPart, Cells, Entry, Lane, SurfaceAnswer};
+use super::lane::Cells;
 use super::slabs::{D, Truth, Vectors, WIDTH};
 use super::visits::Visits;
 use crate::grain_grid::CellEntry;
@@ -25,12 +24,12 @@ pub(super) struct Stretches {
     pub(super) moved: u32,
     pub(super) origin: [[f64; GROUP]; 3],
     pub(super) direction: [[f64; GROUP]; 3],
-    inverse: [[f64; GROUP]; 3],
+    pub(super) inverse: [[f64; GROUP]; 3],
     /// From the home cell to the present one.
     pub(super) offset: [[f64; GROUP]; 3],
     pub(super) travelled: [f64; GROUP],
     pub(super) cell: [[i32; GROUP]; 3],
-    home: [[i32; GROUP]; 3],
+    pub(super) home: [[i32; GROUP]; 3],
     /// The brick of the cell, its place there, and what it holds.
     pub(super) brick: [u32; GROUP],
     pub(super) within_brick: [u32; GROUP],
@@ -38,9 +37,9 @@ pub(super) struct Stretches {
     /// The part on which the path stands, which it does not meet: of no word where it stands on none.
     pub(super) own_center: [[f64; GROUP]; 3],
     pub(super) own_word: [u64; GROUP],
-    own_part: [u16; GROUP],
+    pub(super) own_part: [u16; GROUP],
     /// Paths that do not meet any grain with the centre of that part: it is its grain's only one.
-    alone: u32,
+    pub(super) alone: u32,
     /// Where the nearest grain that is known is entered; infinite where none is. The grain stands in `Visits`.
     pub(super) nearest: [f64; GROUP],
     /// Where the cell is left.
@@ -147,62 +146,6 @@ impl Stretches {
         self.air &= !(1 << at);
         self.asking &= !(1 << at);
         self.moved &= !(1 << at);
-    }
-
-    /// Takes a path in that is in air.
-    #[inline(always)]
-    pub(super) fn board(&mut self, at: usize, lane: &Lane, kinds: Kinds<'_>) {
-        self.take_place(at, lane);
-        self.nearest[at] = lane.nearest.map_or(f64::INFINITY, |nearest| nearest.at);
-        let leaving = lane.leaving.unwrap_or(BodyPart { center: DVec3::ZERO, word: 0, part: 0 });
-        set_vector(&mut self.own_center, at, leaving.center);
-        (self.own_word[at], self.own_part[at]) = (leaving.word, leaving.part);
-        let is_alone = leaving.word != 0 && kinds.has_slabs(leaving.word);
-        self.alone &= !(1 << at);
-        self.alone |= u32::from(is_alone) << at;
-        self.entry[at] = lane.entry.0;
-        self.air |= 1 << at;
-        self.moved |= 1 << at;
-    }
-
-    /// Takes over where a path is.
-    #[inline(always)]
-    pub(super) fn take_place(&mut self, at: usize, lane: &Lane) {
-        set_vector(&mut self.origin, at, lane.origin);
-        set_vector(&mut self.direction, at, lane.direction);
-        set_vector(&mut self.inverse, at, lane.inverse_direction);
-        set_vector(&mut self.offset, at, lane.offset);
-        self.travelled[at] = lane.travelled;
-        for axis in 0..3 {
-            self.cell[axis][at] = lane.cell[axis];
-            self.home[axis][at] = lane.home[axis];
-        }
-    }
-
-    /// Tells a path where it is, and what it may meet.
-    pub(super) fn land(&self, at: usize, lane: &mut Lane, met: &Visits, kinds: Kinds<'_>) {
-        self.tell_place(at, lane);
-        lane.nearest = (self.nearest[at] < f64::INFINITY).then(|| {
-            let body = met.body(at);
-            let face = kinds.has_slabs(body.word).then_some(met.face(at));
-            let (block, slot) = met.slot(at);
-            Entry { at: self.nearest[at], at_radii: met.enter(at), body, block, slot, face }
-        });
-        let (word, part) = (self.own_word[at], self.own_part[at]);
-        let center = vector(&self.own_center, at);
-        lane.leaving = (word != 0).then_some(BodyPart { center, word, part });
-    }
-
-    /// Tells a path where it is.
-    pub(super) fn tell_place(&self, at: usize, lane: &mut Lane) {
-        lane.origin = vector(&self.origin, at);
-        lane.direction = vector(&self.direction, at);
-        lane.inverse_direction = vector(&self.inverse, at);
-        lane.offset = vector(&self.offset, at);
-        lane.travelled = self.travelled[at];
-        lane.cell = self.cell.map(|row| row[at]);
-        lane.home = self.home.map(|row| row[at]);
-        (lane.entry, lane.entry_of) = (CellEntry(self.entry[at]), lane.cell);
     }
 
     /// Copies the path at `from` of `source` to `to`.
@@ -427,46 +370,6 @@ impl Stretches {
         steps
     }
 
-    /// Brings a path back into the first period, or to the nearest cell of the grid, that has just begun a stretch.
-    pub(super) fn stay_inside(
-        &mut self,
-        cells: &Cells,
-        at: usize,
-        lane: &mut Lane,
-        grains: &mut Visits,
-    ) {
-        self.tell_place(at, lane);
-        lane.stay_inside(cells);
-        let offset = lane.offset;
-        lane.origin -= offset;
-        lane.offset = DVec3::ZERO;
-        lane.home = lane.cell;
-        self.take_place(at, lane);
-        self.moved |= 1 << at;
-        for centers in [&mut self.own_center, &mut grains.center] {
-            let center = vector(centers, at);
-            set_vector(centers, at, center - offset);
-        }
-    }
-
-    /// Goes on along a stretch, up to `end` of it, in another grain.
-    pub(super) fn go_on(
-        &mut self,
-        cells: &Cells,
-        at: usize,
-        lane: &mut Lane,
-        end: f64,
-        into: BodyPart,
-    ) {
-        self.tell_place(at, lane);
-        lane.seek_cell(cells, end);
-        lane.travelled = end;
-        self.take_place(at, lane);
-        self.moved |= 1 << at;
-        set_vector(&mut self.own_center, at, into.center);
-        (self.own_word[at], self.own_part[at]) = (into.word, into.part);
-    }
-
     /// Whether a grain, whose centre is told from the cell, is the one that a path stands on.
     #[inline(always)]
     pub(super) fn is_own(&self, at: usize, center: DVec3, word: u64) -> bool {
@@ -496,17 +399,14 @@ impl Stretches {
         within.store_slice(&mut self.within_brick);
     }
 
+    /// The point at `t` of a stretch, in cell quanta of the present cell.
+    pub(super) fn local(&self, at: usize, t: f64) -> DVec3 {
+        let (origin, direction) = (vector(&self.origin, at), vector(&self.direction, at));
+        origin + direction * t - vector(&self.offset, at)
+    }
+
     #[inline(always)]
     pub(super) fn cell_of(&self, at: usize) -> [i32; 3] {
         [self.cell[0][at], self.cell[1][at], self.cell[2][at]]
     }
-}
-
-/// What a path forgets where a stretch begins.
-#[inline(always)]
-pub(super) fn begin_afresh(lane: &mut Lane) {
-    lane.counted = 0.0;
-    lane.home_periods = lane.periods;
-    lane.left_surface = None;
-    lane.surface = SurfaceAnswer::NotAsked;
 }

@@ -15,8 +15,8 @@ use super::stretches::{copy_column, set_vector, vector};
 use crate::flight::random::{NEXT_EVENT, prepared, uniform_24_bits, unprepared};
 use crate::flight::vector::W;
 use crate::grain_grid::{AXES, Slabs};
-use fearless_simd::{mask32x16, mask64x8};
 use fearless_simd::prelude::*;
+use fearless_simd::{mask32x16, mask64x8};
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
 
