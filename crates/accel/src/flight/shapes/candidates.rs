@@ -105,7 +105,7 @@ pub(super) struct Scratch {
     candidates: [u32; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
     count: usize,
     covers: Vec<Cover>,
-    eight: Eight,
+    eights: Vec<Eight>,
     told: Told,
 }
 
@@ -116,7 +116,7 @@ impl Default for Scratch {
             candidates: [0; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
             count: 0,
             covers: Vec::new(),
-            eight: Eight::NONE,
+            eights: Vec::new(),
             told: Told::NOTHING,
         }
     }
@@ -125,8 +125,11 @@ impl Default for Scratch {
 const SLOTS: [u32; GRAINS_PER_BLOCK] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Eight candidates as the vectors want them.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Eight {
+    /// Which of them there are: path, block and slot of each.
+    used: u32,
+    places: [(usize, usize, usize); WIDTH],
     /// From the grain to where the stretch begins, and along what that goes.
     origin: [[f64; WIDTH]; 3],
     direction: [[f64; WIDTH]; 3],
@@ -154,6 +157,8 @@ struct Told {
 
 impl Eight {
     const NONE: Self = Self {
+        used: 0,
+        places: [(0, 0, 0); WIDTH],
         origin: [[0.0; WIDTH]; 3],
         direction: [[0.0; WIDTH]; 3],
         word: [1 << GrainShape::BITS; WIDTH],
@@ -397,17 +402,22 @@ impl ShapeFlight<'_> {
     /// and those that hold the ends of chords.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&mut self, simd: S, first: usize) {
-        let Scratch { asked, candidates, count, covers, eight, told } = &mut *self.scratch;
+        let Scratch { asked, candidates, count, covers, eights, told } = &mut *self.scratch;
         let (kinds, blocks, shapes) = (self.kinds, self.grid.blocks(), self.shapes);
         let stretches = &mut self.stretches[first / GROUP];
         let grains: &mut Visits = &mut self.in_grains[first / GROUP];
-        let mut places = [(0, 0, 0); WIDTH];
-        for some in candidates[..*count].chunks(WIDTH) {
+        let needed = count.div_ceil(WIDTH);
+        if eights.len() < needed {
+            eights.resize(needed, Eight::NONE);
+        }
+        // All are written before any is read: a vector of numbers that were just written one by one must wait for them.
+        for (eight, some) in eights.iter_mut().zip(candidates[..*count].chunks(WIDTH)) {
+            eight.used = (1 << some.len()) - 1;
             for (i, &candidate) in some.iter().enumerate() {
                 let Asked { at, block } = asked[candidate as usize / GRAINS_PER_BLOCK % MOST_ASKED];
                 let (at, number) = (at as usize & (GROUP - 1), block as usize);
                 let (block, slot) = (&blocks[number], candidate as usize % GRAINS_PER_BLOCK);
-                places[i] = (at, number, slot);
+                eight.places[i] = (at, number, slot);
                 let center = [block.x[slot], block.y[slot], block.z[slot]];
                 let word = shapes.blocks[number][slot];
                 eight.set(i, (stretches, at), center, word);
@@ -415,12 +425,14 @@ impl ShapeFlight<'_> {
                     eight.set_faces(i, slabs);
                 }
             }
+        }
+        for eight in &eights[..needed] {
             eight.ask(simd, kinds, told);
-            let mut met = told.met & ((1 << some.len()) - 1);
+            let mut met = told.met & eight.used;
             while met != 0 {
                 let i = met.trailing_zeros() as usize & (WIDTH - 1);
                 met &= met - 1;
-                let (at, block, slot) = places[i];
+                let (at, block, slot) = eight.places[i];
                 let (enters, gone) = (told.at[i], told.gone[i]);
                 let asks = stretches.asking >> at & 1 != 0;
                 let is_ahead = gone > stretches.travelled[at];
