@@ -50,10 +50,12 @@ impl GrainField {
     /// # Panics
     /// If there are not as many shapes as grains, or a prototype is missing.
     #[must_use]
-    pub fn with_shapes(mut self, shapes: FieldShapes) -> Self {
+    pub fn with_shapes(mut self, mut shapes: FieldShapes) -> Self {
         assert_eq!(shapes.of_grains.len(), self.len, "a shape for each grain");
         let known = |shape: &GrainShape| shape.prototype() < shapes.prototypes.len();
         assert!(shapes.of_grains.iter().all(known), "a prototype for each shape");
+        // A list that was collected may hold three times as much as it needs.
+        shapes.of_grains.shrink_to_fit();
         self.shapes = Some(shapes);
         self
     }

@@ -219,7 +219,7 @@ impl FieldShapes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use snowgrain_geometry::ShapeKind;
+    use snowgrain_geometry::{Quantisation, ShapeKind};
 
     fn grain(index: i32) -> QuantisedGrain {
         QuantisedGrain { center: [index, 7 * index, -index], radius: 1000 }
@@ -231,6 +231,18 @@ mod tests {
             MixedShape { shape, orientation, fraction }
         };
         ShapeMix::new(shapes.iter().map(mixed).collect(), 5).expect("the mixture is legal")
+    }
+
+    #[test]
+    fn a_shape_takes_eight_bytes_beside_its_grain() {
+        let listed: Vec<_> = (0..1000).map(grain).collect();
+        let field = GrainField::new(Quantisation::for_grains(DVec3::ZERO, 1.0), listed);
+        let mut of_grains = Vec::with_capacity(3000);
+        of_grains.resize(1000, GrainShape::upright(0));
+        let cube = Shape::new(ShapeKind::Cube { rounding: 0.0 }).expect("the shape is legal");
+        let spheres = field.bytes();
+        let shaped = field.with_shapes(FieldShapes { prototypes: [cube].into(), of_grains });
+        assert_eq!(shaped.bytes() - spheres, 8000);
     }
 
     fn axis(quaternion: [f64; 4]) -> DVec3 {

@@ -2,6 +2,7 @@
 
 use crate::prefetch::prefetch;
 use bytemuck::{Pod, Zeroable};
+use snowgrain_math::DVec3;
 
 /// Grains in a [`Block`].
 pub const GRAINS_PER_BLOCK: usize = 16;
@@ -33,6 +34,12 @@ impl Block {
     pub(crate) fn set(&mut self, slot: usize, center: [u16; 3], radius: u16) {
         [self.x[slot], self.y[slot], self.z[slot]] = center;
         self.radius[slot] = radius;
+    }
+
+    /// The centre in a slot.
+    #[inline(always)]
+    pub(crate) fn center(&self, slot: usize) -> DVec3 {
+        DVec3::new(self.x[slot].into(), self.y[slot].into(), self.z[slot].into())
     }
 
     /// Asks for both cache lines ahead of their use.

@@ -67,12 +67,6 @@ impl PackedCells {
         self.entries[self.index_at(brick, within)]
     }
 
-    /// Asks for the entry of a cell ahead of its use.
-    #[inline(always)]
-    pub(crate) fn prefetch(&self, cell: [i32; 3]) {
-        prefetch(&self.entries[self.index(cell)]);
-    }
-
     /// Asks for that entry ahead of its use.
     #[inline(always)]
     pub(crate) fn prefetch_at(&self, brick: u32, within: u32) {

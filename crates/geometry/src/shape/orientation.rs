@@ -2,11 +2,10 @@
 
 use snowgrain_math::DMat3;
 
-/// Steps of a component of a quaternion from 0 to 1/sqrt(2).
-const STEPS: f64 = 8191.0;
-const COMPONENT_BITS: u32 = 14;
+const STEPS: f64 = GrainShape::STEPS;
+const COMPONENT_BITS: u32 = GrainShape::COMPONENT_BITS;
 const COMPONENT: u64 = (1 << COMPONENT_BITS) - 1;
-const LARGEST_SHIFT: u32 = 3 * COMPONENT_BITS;
+const LARGEST_SHIFT: u32 = GrainShape::LARGEST_SHIFT;
 const PROTOTYPE_SHIFT: u32 = LARGEST_SHIFT + 2;
 
 /// Prototype and orientation of a grain: 50 bits, that are the same wherever the grain is met.
@@ -19,6 +18,14 @@ pub struct GrainShape(u64);
 impl GrainShape {
     /// Prototypes that a scene can tell apart.
     pub const MOST_PROTOTYPES: usize = 64;
+    /// Steps of a component of the quaternion from 0 to 1/sqrt(2).
+    pub const STEPS: f64 = 8191.0;
+    /// One such step.
+    pub const STEP: f64 = core::f64::consts::FRAC_1_SQRT_2 / Self::STEPS;
+    /// Bits of a component, from the lowest on; stored is the number of its step, plus [`Self::STEPS`].
+    pub const COMPONENT_BITS: u32 = 14;
+    /// Where two bits tell which component is the largest; the others are those that follow it in the ring x, y, z, w.
+    pub const LARGEST_SHIFT: u32 = 3 * Self::COMPONENT_BITS;
     /// Bits used.
     pub const BITS: u32 = PROTOTYPE_SHIFT + 6;
 
@@ -115,7 +122,7 @@ impl GrainShape {
         let largest = (self.0 >> LARGEST_SHIFT) as usize & 3;
         let component = |place: u32| {
             let steps = (self.0 >> (COMPONENT_BITS * place) & COMPONENT) as i32;
-            f64::from(steps - STEPS as i32) * (core::f64::consts::FRAC_1_SQRT_2 / STEPS)
+            f64::from(steps - STEPS as i32) * Self::STEP
         };
         let [a, b, c] = [component(0), component(1), component(2)];
         let rest = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();

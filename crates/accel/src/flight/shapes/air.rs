@@ -1,15 +1,15 @@
 //! Paths in air: to the next grain, surface or cell.
 
-use super::body::{LocalRay, entered, interval};
+use super::body::{NOWHERE, entered, interval};
 use super::candidates::part_of;
 use super::interface::Interface;
 use super::lane::{BodyPart, Entry, Inside, Lane, Phase, SurfaceAnswer};
-use super::near::near;
-use super::visits::{Arrival, Departure};
+use super::near::{self, near};
+use super::visits::Departure;
 use super::{GROUP, SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent};
 use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord};
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 use snowgrain_math::DVec3;
 
 /// The way out of a cell, or of an empty brick.
@@ -26,16 +26,25 @@ pub(super) struct Exit {
 impl ShapeFlight<'_> {
     /// Follows a path in air, of which the nearest grain is known, through its cell.
     #[inline(always)]
-    pub(super) fn step_in_air<S: Simd>(&mut self, simd: S, index: usize, exit: &Exit) {
+    pub(super) fn step_alone<S: Simd>(&mut self, simd: S, index: usize) {
+        let exit = self.exit(&self.lanes[index]);
         let entry = self.lanes[index].nearest.filter(|entry| entry.at <= exit.distance);
-        if self.lanes[index].entry.has_surface() && self.meets_surface(index, exit, entry.as_ref())
+        if self.lanes[index].entry.has_surface() && self.meets_surface(index, &exit, entry.as_ref())
         {
             return;
         }
         match entry {
             Some(entry) => self.arrive(simd, index, &entry),
-            None => self.leave_cell(index, exit),
+            None => self.leave_cell(index, &exit),
         }
+    }
+
+    /// Tells a path in air, that is followed with others, where it is and what it may meet.
+    #[inline(always)]
+    pub(super) fn land(&mut self, index: usize) {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let lane = &mut self.lanes[index];
+        self.stretches[group].land(at, lane, &self.in_grains[group], self.kinds);
     }
 
     /// The way out of the cell of a path. The same numbers in each cell that shares the face.
@@ -104,7 +113,8 @@ impl ShapeFlight<'_> {
         let mut window = [before, last(lane.nearest)];
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let mut slots = near(simd, block, (position, direction), window);
+            let near = near(simd, block, (position, direction), window, near::NOWHERE);
+            let mut slots = near.to_bitmask() as u32;
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;
@@ -165,8 +175,7 @@ impl ShapeFlight<'_> {
     /// Centre of a grain of a block of the path's cell, from the corner of its home cell.
     #[inline(always)]
     pub(super) fn center(&self, lane: &Lane, number: usize, slot: usize) -> DVec3 {
-        let block = &self.grid.blocks()[number];
-        DVec3::new(block.x[slot].into(), block.y[slot].into(), block.z[slot].into()) + lane.offset
+        self.grid.blocks()[number].center(slot) + lane.offset
     }
 
     /// Whether the path meets a surface in its cell, before it enters a grain; then it stands there. A surface
@@ -252,7 +261,7 @@ impl ShapeFlight<'_> {
             let place = grid.world_of(lane.cell, lane.local(at));
             lane.first = Some([place, outward]);
         }
-        if self.begin_visit(index, entry) {
+        if self.begin_visit(simd, index, entry) {
             return;
         }
         let (cells, lane) = (&self.cells, &mut self.lanes[index]);
@@ -269,30 +278,38 @@ impl ShapeFlight<'_> {
         }
     }
 
-    /// Whether other ice covers the place of a path that visits a grain, at the end of a chord; then the path goes on from
-    /// there as those in other grains do.
-    #[inline(always)]
-    pub(super) fn leaves_visits<S: Simd>(&mut self, simd: S, index: usize) -> bool {
+    /// Takes a path out of a grain that other ice covers where it stands; it goes on from there as those in other grains
+    /// do.
+    #[inline(never)]
+    pub(super) fn leave_visit(&mut self, index: usize) {
         let departure = self.in_grains[index / GROUP].departure(index % GROUP);
-        let lane = &mut self.lanes[index];
-        let Inside { body, placement, .. } = &lane.inside;
-        lane.origin = body.center + placement.rotation * departure.place * placement.radius;
-        lane.travelled = 0.0;
-        let direction = placement.rotation * departure.direction;
-        lane.begin_stretch(&self.cells, 0.0, direction);
-        lane.inside.leave = 0.0;
-        if lane.entry_of != lane.cell {
-            (lane.entry, lane.entry_of) = (self.grid.entry(lane.cell), lane.cell);
-        }
-        if self.farthest_cover(simd, index).is_none() {
-            return false;
-        }
+        self.tell_where_inside(index);
         self.hand_back(index, &departure);
-        self.lanes[index].phase = Phase::Ice;
-        true
+        self.wait_in_ice(index);
     }
 
-    /// Takes a path back that visits a grain, whose stretch begins where it stands inside.
+    /// Tells a path that visits a grain, with others, where it is.
+    pub(super) fn tell_where_inside(&mut self, index: usize) {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let (lane, grains) = (&mut self.lanes[index], &self.in_grains[group]);
+        self.stretches[group].tell_place(at, lane);
+        let body = grains.body(at);
+        lane.inside = Inside {
+            body,
+            placement: Placement::of(ShapeWord::of_slot(body.word)),
+            leave: lane.travelled,
+            through: NOWHERE,
+            meets_surface: false,
+            overlaps: grains.overlaps(at),
+            stratum: lane.inside.stratum,
+        };
+        lane.in_ice = true;
+        (lane.nearest, lane.leaving) = (None, None);
+        lane.begin_afresh();
+        lane.counted = lane.travelled;
+    }
+
+    /// Takes a path back that visits a grain, and has been told where it is.
     pub(super) fn hand_back(&mut self, index: usize, departure: &Departure) {
         self.in_grains[index / GROUP].end(index % GROUP);
         let lane = &mut self.lanes[index];
@@ -300,48 +317,24 @@ impl ShapeFlight<'_> {
             lane.inside.through = part_of(slabs, departure.face);
         }
         lane.add_ice(departure.ice * lane.inside.placement.radius);
-        lane.inside.leave = 0.0;
         lane.event = departure.event;
         lane.turns = departure.turns;
     }
 
     /// Hands a path that has arrived over to [`Visits`](super::visits::Visits), where its grain is one for them.
     #[inline(always)]
-    fn begin_visit(&mut self, index: usize, entry: &Entry) -> bool {
+    fn begin_visit<S: Simd>(&mut self, simd: S, index: usize, entry: &Entry) -> bool {
         let lane = &mut self.lanes[index];
-        let Inside { body, placement, meets_surface, overlaps, .. } = &lane.inside;
-        let (Some(slabs), Some(face)) = (&self.shapes.of(placement).slabs, entry.face) else {
-            return false;
-        };
+        let Inside { meets_surface, overlaps, .. } = &lane.inside;
         // Of a path that begins within the grain the place is not on the face.
-        if *meets_surface || entry.at < lane.travelled {
+        if entry.face.is_none() || *meets_surface || entry.at < lane.travelled {
             return false;
         }
-        let LocalRay { origin, direction } = lane.ray_to(body.center, placement);
-        let place = origin + direction * entry.at_radii;
-        let (key, event) = (lane.key, lane.event);
         lane.phase = Phase::Visit;
-        lane.in_ice = true;
-        let arrival = Arrival { place, direction, face, slabs, overlaps: *overlaps };
-        self.in_grains[index / GROUP].begin(index % GROUP, &arrival, key, event);
+        let grains = &mut self.in_grains[index / GROUP];
+        grains.begin(index % GROUP, lane.key, lane.event, *overlaps);
+        grains.arrive(simd, 1 << (index % GROUP));
         true
-    }
-
-    /// A path goes on in air after its visit.
-    #[inline(always)]
-    pub(super) fn end_visit(&mut self, index: usize) {
-        let departure = self.in_grains[index / GROUP].departure(index % GROUP);
-        let lane = &mut self.lanes[index];
-        let Inside { body, placement, .. } = &lane.inside;
-        lane.origin = body.center + placement.rotation * departure.place * placement.radius;
-        lane.travelled = 0.0;
-        let (direction, length) =
-            (placement.rotation * departure.direction, departure.ice * placement.radius);
-        lane.add_ice(length);
-        lane.event = departure.event;
-        lane.begin_stretch(&self.cells, 0.0, direction);
-        lane.leaving = Some(lane.inside.body);
-        self.go_on_in_air(index);
     }
 
     /// The path goes on in air from the origin of a new stretch.
@@ -351,5 +344,6 @@ impl ShapeFlight<'_> {
         lane.in_ice = false;
         lane.turns = 0;
         lane.phase = Phase::Air;
+        self.stretches[index / GROUP].board(index % GROUP, lane, self.kinds);
     }
 }

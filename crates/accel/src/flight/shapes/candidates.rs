@@ -1,166 +1,500 @@
-//! Grains whose bounding spheres paths in air have come to: eight at a time, where they lie between parallel faces.
+//! Grains whose bounding spheres paths have come to: eight at a time, where they lie between parallel faces.
 
-use super::ShapeFlight;
 use super::body::ELLIPSOID;
-use super::lane::{BodyPart, Entry, Lane};
-use super::slabs::{Bodies, D, Vectors, WIDTH, Within, within};
-use crate::grain_grid::{AXES, ROUND, ShapeWord, Slabs};
+use super::lane::Lane;
+use super::near::{around, near};
+use super::slabs::{Bodies, D, Vectors, WIDTH, Within, turned_back, within};
+use super::stretches::{Stretches, next, vector};
+use super::visits::{Met, Visits};
+use super::{BodyPart, GROUP, ShapeFlight};
+use crate::grain_grid::{
+    AXES, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, OVERLAPS, Prototype, ROUND,
+    ShapeWord, Slabs,
+};
 use fearless_simd::prelude::*;
+use fearless_simd::{mask32x16, u32x16, u64x8};
+use snowgrain_geometry::GrainShape;
 use snowgrain_math::DVec3;
 
-/// A grain that a path may meet.
+/// What the prototypes of a grid are, as far as the vectors ask.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
-    lane: usize,
-    /// Centre of the grain from the corner of the lane's home cell.
-    center: DVec3,
-    word: u64,
-    block: usize,
-    slot: usize,
-}
-
-/// Eight candidates as the vectors want them.
-struct Eight {
-    /// From the grain to the origin of the stretch.
-    origin: [[f64; WIDTH]; 3],
-    direction: [[f64; WIDTH]; 3],
-    quaternion: [[f64; WIDTH]; 4],
-    radius: [f64; WIDTH],
-    half: [[f64; WIDTH]; AXES],
-    shrink: [[f64; WIDTH]; 2],
+pub(super) struct Kinds<'a> {
+    prototypes: &'a [Prototype],
+    /// The only one, if it lies between parallel faces.
+    only: Option<&'a Slabs>,
+    all_have_slabs: bool,
+    /// Whether any has faces along x, and whether any is round.
     has_x: bool,
     has_round: bool,
 }
 
+impl<'a> Kinds<'a> {
+    pub(super) fn of(shapes: &'a GridShapes) -> Self {
+        let prototypes = shapes.prototypes.as_slice();
+        let slabs = || prototypes.iter().filter_map(|prototype| prototype.slabs.as_ref());
+        Self {
+            prototypes,
+            only: match prototypes {
+                [only] => only.slabs.as_ref(),
+                _ => None,
+            },
+            all_have_slabs: slabs().count() == prototypes.len(),
+            has_x: slabs().any(|slabs| slabs.half[AXES - 1] < f64::INFINITY),
+            has_round: slabs().any(|slabs| slabs.shrink[0] > 0.0),
+        }
+    }
+
+    /// The parallel faces of a grain.
+    #[inline(always)]
+    fn slabs(&self, word: u64) -> Option<&'a Slabs> {
+        self.prototypes[ShapeWord::of_slot(word).shape().prototype()].slabs.as_ref()
+    }
+
+    /// The same, but `None` where all grains have the same.
+    #[inline(always)]
+    fn slabs_of(&self, word: u64) -> Option<&'a Slabs> {
+        if self.only.is_some() { None } else { self.slabs(word) }
+    }
+
+    /// Whether a grain lies between parallel faces.
+    #[inline(always)]
+    pub(super) fn has_slabs(&self, word: u64) -> bool {
+        self.all_have_slabs || self.slabs(word).is_some()
+    }
+
+    /// Eight bodies, of whose numbers there are rows.
+    #[inline(always)]
+    pub(super) fn bodies<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        rows: (&[[f64; N]; AXES], &[[f64; N]; 2]),
+        first: usize,
+    ) -> Bodies<S> {
+        let flags = (self.has_x, self.has_round);
+        match self.only {
+            Some(slabs) => Bodies::alike(simd, slabs, flags),
+            None => Bodies::load(simd, rows, first, flags),
+        }
+    }
+}
+
+/// A block that a path asked.
+#[derive(Clone, Copy, Debug, Default)]
+struct Asked {
+    at: u32,
+    block: u32,
+}
+
+/// Room for the blocks that the paths of a group ask.
+const MOST_ASKED: usize = (GROUP * CellEntry::MAX_BLOCKS_PER_CELL).next_power_of_two();
+
+/// A grain that holds the end of a path's chord.
+#[derive(Debug)]
+struct Cover {
+    at: usize,
+    /// Where on the stretch it is left.
+    gone: f64,
+    met: Met,
+}
+
+/// Room for the candidates of a group: grains that its paths may meet, or that may cover the ends of their chords.
+#[derive(Debug)]
+pub(super) struct Scratch {
+    asked: [Asked; MOST_ASKED],
+    /// Of each candidate which block was asked, and its slot there in the last four bits.
+    candidates: [u32; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
+    count: usize,
+    covers: Vec<Cover>,
+    eights: Vec<Eight>,
+    told: Told,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self {
+            asked: [Asked::default(); MOST_ASKED],
+            candidates: [0; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
+            count: 0,
+            covers: Vec::new(),
+            eights: Vec::new(),
+            told: Told::NOTHING,
+        }
+    }
+}
+
+const SLOTS: [u32; GRAINS_PER_BLOCK] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// Eight candidates as the vectors want them.
+#[derive(Clone, Copy, Debug)]
+struct Eight {
+    /// Which of them there are: path, block and slot of each.
+    used: u32,
+    places: [(usize, usize, usize); WIDTH],
+    /// From the grain to where the stretch begins, and along what that goes.
+    origin: [[f64; WIDTH]; 3],
+    direction: [[f64; WIDTH]; 3],
+    word: [u64; WIDTH],
+    half: [[f64; WIDTH]; AXES],
+    shrink: [[f64; WIDTH]; 2],
+}
+
+/// What is told of eight candidates.
+#[derive(Debug)]
+struct Told {
+    axes: [[[f64; WIDTH]; 3]; 3],
+    radius: [f64; WIDTH],
+    /// The stretch in the spaces of the grains.
+    origin: [[f64; WIDTH]; 3],
+    direction: [[f64; WIDTH]; 3],
+    enter: [f64; WIDTH],
+    by: [f64; WIDTH],
+    /// Where on the stretch they are entered and left, quanta.
+    at: [f64; WIDTH],
+    gone: [f64; WIDTH],
+    /// Those that are met.
+    met: u32,
+}
+
 impl Eight {
     const NONE: Self = Self {
+        used: 0,
+        places: [(0, 0, 0); WIDTH],
         origin: [[0.0; WIDTH]; 3],
         direction: [[0.0; WIDTH]; 3],
-        quaternion: [[0.0; WIDTH]; 4],
-        radius: [1.0; WIDTH],
+        word: [1 << GrainShape::BITS; WIDTH],
         half: [[1.0; WIDTH]; AXES],
         shrink: [[0.0; WIDTH]; 2],
-        has_x: false,
-        has_round: false,
     };
 
     #[inline(always)]
-    fn set(&mut self, at: usize, lane: &Lane, center: DVec3, (word, slabs): (ShapeWord, &Slabs)) {
-        let origin = lane.origin - center;
+    fn set(&mut self, i: usize, (stretches, at): (&Stretches, usize), center: [u16; 3], word: u64) {
         for axis in 0..3 {
-            self.origin[axis][at] = origin[axis];
-            self.direction[axis][at] = lane.direction[axis];
+            let center = f64::from(center[axis]) + stretches.offset[axis][at];
+            self.origin[axis][i] = stretches.origin[axis][at] - center;
+            self.direction[axis][i] = stretches.direction[axis][at];
         }
-        let quaternion = word.shape().quaternion();
-        for (row, component) in self.quaternion.iter_mut().zip(quaternion) {
-            row[at] = component;
-        }
-        self.radius[at] = word.radius();
+        self.word[i] = word;
+    }
+
+    #[inline(always)]
+    fn set_faces(&mut self, i: usize, slabs: &Slabs) {
         for (row, half) in self.half.iter_mut().zip(slabs.half) {
-            row[at] = half;
+            row[i] = half;
         }
-        self.shrink[0][at] = slabs.shrink[0];
-        self.shrink[1][at] = slabs.shrink[1];
-        self.has_x |= slabs.half[AXES - 1] < f64::INFINITY;
-        self.has_round |= slabs.shrink[0] > 0.0;
+        (self.shrink[0][i], self.shrink[1][i]) = (slabs.shrink[0], slabs.shrink[1]);
     }
 
-    /// What of the lines lies within the grains, in radii; each as the placement of one grain would say.
+    /// What of the lines lies within the grains; each as the placement of one grain would say.
     #[inline(always)]
-    fn within<S: Simd>(&self, simd: S) -> Within<S> {
-        let axes = self.axes(simd);
-        let inverse = D::<S>::splat(simd, 1.0) / D::<S>::from_slice(simd, &self.radius);
-        let origin = turned_back(axes, Vectors::load(simd, &self.origin, 0)).scaled(inverse);
-        let direction = turned_back(axes, Vectors::load(simd, &self.direction, 0));
-        let flags = (self.has_x, self.has_round);
-        let bodies = Bodies::load(simd, (&self.half, &self.shrink), 0, flags);
-        within(simd, &bodies, origin, direction)
-    }
-
-    /// Axes of the grains in the world, as [`snowgrain_geometry::GrainShape::rotation`] decodes them.
-    #[inline(always)]
-    fn axes<S: Simd>(&self, simd: S) -> [Vectors<S>; 3] {
-        let one = D::<S>::splat(simd, 1.0);
-        let [qx, qy, qz, qw] = &self.quaternion;
-        let (x, y) = (D::<S>::from_slice(simd, qx), D::<S>::from_slice(simd, qy));
-        let (z, w) = (D::<S>::from_slice(simd, qz), D::<S>::from_slice(simd, qw));
-        let (x2, y2, z2) = (x + x, y + y, z + z);
-        let (xx, yy, zz) = (x * x2, y * y2, z * z2);
-        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
-        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
-        [
-            Vectors(one - (yy + zz), xy + wz, xz - wy),
-            Vectors(xy - wz, one - (xx + zz), yz + wx),
-            Vectors(xz + wy, yz - wx, one - (xx + yy)),
-        ]
+    fn ask<S: Simd>(&self, simd: S, kinds: Kinds<'_>, told: &mut Told) {
+        let words = u64x8::from_slice(simd, &self.word);
+        let axes = axes(simd, words);
+        let radius = numbers(simd, words >> GrainShape::BITS, 0.0);
+        let load = |rows: &[[f64; WIDTH]; 3]| Vectors::<S>::load(simd, rows, 0);
+        let inverse = D::<S>::splat(simd, 1.0) / radius;
+        let origin = turned_back(axes, load(&self.origin)).scaled(inverse);
+        let direction = turned_back(axes, load(&self.direction));
+        let bodies = kinds.bodies(simd, (&self.half, &self.shrink), 0);
+        let Within { enter, leave, by } = within(simd, &bodies, origin, direction);
+        let (at, gone) = (enter * radius, leave * radius);
+        told.met = enter.simd_lt(leave).to_bitmask() as u32;
+        let [x, y, z] = axes;
+        x.store(&mut told.axes[0], 0);
+        y.store(&mut told.axes[1], 0);
+        z.store(&mut told.axes[2], 0);
+        radius.store_slice(&mut told.radius);
+        origin.store(&mut told.origin, 0);
+        direction.store(&mut told.direction, 0);
+        enter.store_slice(&mut told.enter);
+        by.store_slice(&mut told.by);
+        at.store_slice(&mut told.at);
+        gone.store_slice(&mut told.gone);
     }
 }
 
-/// Vectors in the spaces of the grains whose axes are given.
+impl Told {
+    const NOTHING: Self = Self {
+        axes: [[[0.0; WIDTH]; 3]; 3],
+        radius: [0.0; WIDTH],
+        origin: [[0.0; WIDTH]; 3],
+        direction: [[0.0; WIDTH]; 3],
+        enter: [0.0; WIDTH],
+        by: [0.0; WIDTH],
+        at: [0.0; WIDTH],
+        gone: [0.0; WIDTH],
+        met: 0,
+    };
+
+    /// The grain of one of the eight.
+    #[inline(always)]
+    fn met(&self, i: usize, (block, slot): (usize, usize), body: BodyPart) -> Met {
+        let of = |rows: &[[f64; WIDTH]; 3]| DVec3::new(rows[0][i], rows[1][i], rows[2][i]);
+        Met {
+            body,
+            block,
+            slot,
+            radius: self.radius[i],
+            axes: self.axes.each_ref().map(of),
+            origin: of(&self.origin),
+            direction: of(&self.direction),
+            enter: self.enter[i],
+            face: self.by[i],
+        }
+    }
+}
+
+/// Whole numbers below 2^52 as doubles, less another whole number.
 #[inline(always)]
-fn turned_back<S: Simd>([x, y, z]: [Vectors<S>; 3], v: Vectors<S>) -> Vectors<S> {
-    Vectors(x.dot(v), y.dot(v), z.dot(v))
+fn numbers<S: Simd>(simd: S, words: u64x8<S>, less: f64) -> D<S> {
+    /// 2^52, whose last bit is 1.
+    const EVEN: f64 = 4_503_599_627_370_496.0;
+    let bits: D<S> = (words | u64x8::splat(simd, EVEN.to_bits())).bitcast();
+    bits - D::<S>::splat(simd, EVEN + less)
+}
+
+/// Axes of grains in the world, as [`GrainShape::rotation`] decodes them.
+#[inline(always)]
+fn axes<S: Simd>(simd: S, words: u64x8<S>) -> [Vectors<S>; 3] {
+    let splat = |x: f64| D::<S>::splat(simd, x);
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let component = |place: u32| {
+        let bits = words >> (GrainShape::COMPONENT_BITS * place)
+            & u64x8::splat(simd, (1 << GrainShape::COMPONENT_BITS) - 1);
+        numbers(simd, bits, GrainShape::STEPS) * splat(GrainShape::STEP)
+    };
+    let [a, b, c] = [component(0), component(1), component(2)];
+    let rest = one - (a * a + b * b + c * c);
+    let rest = rest.simd_gt(zero).select(rest, zero).sqrt();
+    // The others follow the largest in a ring: on by one place, by two.
+    let bit = |shift: u32| {
+        let one = u64x8::splat(simd, 1);
+        (words >> shift & one).simd_eq(one)
+    };
+    let by_one = bit(GrainShape::LARGEST_SHIFT);
+    let ring =
+        [by_one.select(c, rest), by_one.select(rest, a), by_one.select(a, b), by_one.select(b, c)];
+    let by_two = bit(GrainShape::LARGEST_SHIFT + 1);
+    let component = |i: usize| by_two.select(ring[i ^ 2], ring[i]);
+    let (x, y, z, w) = (component(0), component(1), component(2), component(3));
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+    let (xy, xz, yz) = (x * y2, x * z2, y * z2);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    [
+        Vectors(one - (yy + zz), xy + wz, xz - wy),
+        Vectors(xy - wz, one - (xx + zz), yz + wx),
+        Vectors(xz + wy, yz - wx, one - (xx + yy)),
+    ]
 }
 
 impl ShapeFlight<'_> {
-    /// Notes the grains that a path in air may meet before `limit`, where it leaves the cell, and looks at once at those
-    /// of other shapes.
+    /// Notes the grains that the paths of a group may meet before they leave their cells, or that may cover the ends of
+    /// their chords, and looks at once at those of other shapes: at which of these paths are covered.
     #[inline(always)]
-    pub(super) fn gather<S: Simd>(
-        &mut self,
-        simd: S,
-        (index, limit): (usize, f64),
-        candidates: &mut Vec<Candidate>,
-    ) {
-        let lane = &self.lanes[index];
+    pub(super) fn gather<S: Simd>(&mut self, simd: S, first: usize) -> u32 {
+        let stretches = &self.stretches[first / GROUP];
+        let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
+        let slots = u32x16::from_slice(simd, &SLOTS);
+        let get = |rows: &[[f32; GROUP]; 3], at: usize| [rows[0][at], rows[1][at], rows[2][at]];
+        let (mut blocks, mut found) = (0, 0);
+        let mut list = |at: usize, number: usize, near: mask32x16<S>| {
+            // Without a branch that would wait for the answer.
+            let slots = simd.compress_u32x16(slots | (blocks << 4) as u32, near);
+            slots.store_slice(&mut candidates[found..found + GRAINS_PER_BLOCK]);
+            found += near.to_bitmask().count_ones() as usize;
+            asked[blocks] = Asked { at: at as u32, block: number as u32 };
+            blocks += 1;
+        };
+        let mut lanes = stretches.air;
+        while let Some(at) = next(&mut lanes) {
+            let ray = (get(&stretches.position, at), get(&stretches.course, at));
+            let window = [stretches.window[0][at], stretches.window[1][at]];
+            let but = get(&stretches.own, at);
+            for number in CellEntry(stretches.entry[at]).blocks() {
+                let block = &self.grid.blocks()[number];
+                list(at, number, near(simd, block, ray, window, but));
+            }
+        }
+        let mut lanes = stretches.asking;
+        while let Some(at) = next(&mut lanes) {
+            let (position, but) = (get(&stretches.position, at), get(&stretches.own, at));
+            for number in CellEntry(stretches.entry[at]).blocks() {
+                let block = &self.grid.blocks()[number];
+                list(at, number, around(simd, block, position, but));
+            }
+        }
+        *count = found;
+        if self.kinds.all_have_slabs && !self.shapes.concentric {
+            return 0;
+        }
+        let others = self.sort_out(first);
+        self.look_at_others(simd, first, others)
+    }
+
+    /// Takes the grains of other shapes, and those that paths stand on, out of the candidates; the paths that may meet the
+    /// former.
+    fn sort_out(&mut self, first: usize) -> u32 {
+        let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
+        let (mut kept, mut others) = (0, 0);
+        for index in 0..*count {
+            let candidate = candidates[index];
+            let Asked { at, block } = asked[candidate as usize / GRAINS_PER_BLOCK];
+            let (block, slot) = (block as usize, candidate as usize % GRAINS_PER_BLOCK);
+            let word = self.shapes.blocks[block][slot];
+            let center = self.grid.blocks()[block].center(slot);
+            if !self.kinds.has_slabs(word) {
+                others |= 1 << at;
+            } else if !self.stretches[first / GROUP].is_own(at as usize, center, word) {
+                candidates[kept] = candidate;
+                kept += 1;
+            }
+        }
+        *count = kept;
+        others
+    }
+
+    /// Looks at the grains of other shapes that these paths may meet, one by one, and notes the nearest; which paths are
+    /// covered.
+    #[inline(always)]
+    fn look_at_others<S: Simd>(&mut self, simd: S, first: usize, mut lanes: u32) -> u32 {
+        let mut covered = 0;
+        while let Some(at) = next(&mut lanes) {
+            if self.stretches[first / GROUP].asking >> at & 1 != 0 {
+                self.tell_where_inside(first + at);
+                covered |= u32::from(self.farthest_cover(simd, first + at).is_some()) << at;
+            } else {
+                self.land(first + at);
+                self.note_nearest_of_others(simd, first + at);
+            }
+        }
+        covered
+    }
+
+    /// Looks at the grains of other shapes that a path in air may meet, which has been told where it is.
+    #[inline(always)]
+    fn note_nearest_of_others<S: Simd>(&mut self, simd: S, index: usize) {
+        let lane: &Lane = &self.lanes[index];
+        let limit = self.stretches[index / GROUP].exit[index % GROUP];
         let mut nearest = lane.nearest;
         self.for_each_near(simd, lane, limit, |block, slot| {
-            let word = self.shapes.blocks[block][slot];
-            let prototype = ShapeWord::of_slot(word).shape().prototype();
-            if self.shapes.prototypes[prototype].slabs.is_none() {
+            if !self.kinds.has_slabs(self.shapes.blocks[block][slot]) {
                 nearest = self.nearer(lane, (block, slot), nearest);
-            } else {
-                let center = self.center(lane, block, slot);
-                if lane.leaving != Some(BodyPart { center, word, part: 0 }) {
-                    candidates.push(Candidate { lane: index, center, word, block, slot });
-                }
             }
             nearest
         });
-        self.lanes[index].nearest = nearest;
+        let Some(entry) = nearest.filter(|entry| entry.face.is_none()) else { return };
+        let met = Met {
+            body: entry.body,
+            block: entry.block,
+            slot: entry.slot,
+            radius: 1.0,
+            axes: [DVec3::X, DVec3::Y, DVec3::Z],
+            origin: DVec3::ZERO,
+            direction: DVec3::X,
+            enter: entry.at_radii,
+            face: 0.0,
+        };
+        self.in_grains[index / GROUP].meet(index % GROUP, &met, None);
+        self.stretches[index / GROUP].nearest[index % GROUP] = entry.at;
     }
 
-    /// Looks at candidates: of each path the nearest that it enters, the first of two that it enters in one point.
+    /// Looks at candidates: of each path in air the nearest that it enters, the first of two that it enters in one point;
+    /// and those that hold the ends of chords.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&mut self, simd: S, candidates: &[Candidate]) {
-        let mut eight = Eight::NONE;
-        for some in candidates.chunks(WIDTH) {
-            (eight.has_x, eight.has_round) = (false, false);
-            for (at, candidate) in some.iter().enumerate() {
-                let word = ShapeWord::of_slot(candidate.word);
-                let Some(slabs) = &self.shapes.prototypes[word.shape().prototype()].slabs else {
-                    continue;
-                };
-                eight.set(at, &self.lanes[candidate.lane], candidate.center, (word, slabs));
-            }
-            let Within { enter, leave, by } = eight.within(simd);
-            let radius = D::<S>::from_slice(simd, &eight.radius);
-            let (at, gone) = (enter * radius, leave * radius);
-            let met = enter.simd_lt(leave).to_bitmask();
-            let (at, gone, enter, by) =
-                (at.as_slice(), gone.as_slice(), enter.as_slice(), by.as_slice());
-            for (i, candidate) in some.iter().enumerate() {
-                let lane = &mut self.lanes[candidate.lane];
-                let is_nearest = lane.nearest.is_none_or(|nearest| at[i] < nearest.at);
-                if (met >> i & 1 != 0) & (gone[i] > lane.travelled) & is_nearest {
-                    let Candidate { center, word, block, slot, .. } = *candidate;
-                    let body = BodyPart { center, word, part: 0 };
-                    let face = Some(by[i]);
-                    lane.nearest =
-                        Some(Entry { at: at[i], at_radii: enter[i], body, block, slot, face });
+    pub(super) fn meet<S: Simd>(&mut self, simd: S, first: usize) {
+        let Scratch { asked, candidates, count, covers, eights, told } = &mut *self.scratch;
+        let (kinds, blocks, shapes) = (self.kinds, self.grid.blocks(), self.shapes);
+        let stretches = &mut self.stretches[first / GROUP];
+        let grains: &mut Visits = &mut self.in_grains[first / GROUP];
+        let needed = count.div_ceil(WIDTH);
+        if eights.len() < needed {
+            eights.resize(needed, Eight::NONE);
+        }
+        // All are written before any is read: a vector of numbers that were just written one by one must wait for them.
+        for (eight, some) in eights.iter_mut().zip(candidates[..*count].chunks(WIDTH)) {
+            eight.used = (1 << some.len()) - 1;
+            for (i, &candidate) in some.iter().enumerate() {
+                let Asked { at, block } = asked[candidate as usize / GRAINS_PER_BLOCK % MOST_ASKED];
+                let (at, number) = (at as usize & (GROUP - 1), block as usize);
+                let (block, slot) = (&blocks[number], candidate as usize % GRAINS_PER_BLOCK);
+                eight.places[i] = (at, number, slot);
+                let center = [block.x[slot], block.y[slot], block.z[slot]];
+                let word = shapes.blocks[number][slot];
+                eight.set(i, (stretches, at), center, word);
+                if let Some(slabs) = kinds.slabs_of(word) {
+                    eight.set_faces(i, slabs);
                 }
             }
         }
+        for eight in &eights[..needed] {
+            eight.ask(simd, kinds, told);
+            let mut met = told.met & eight.used;
+            while met != 0 {
+                let i = met.trailing_zeros() as usize & (WIDTH - 1);
+                met &= met - 1;
+                let (at, block, slot) = eight.places[i];
+                let (enters, gone) = (told.at[i], told.gone[i]);
+                let asks = stretches.asking >> at & 1 != 0;
+                let is_ahead = gone > stretches.travelled[at];
+                let is_covered = asks & is_ahead & (enters <= stretches.travelled[at]);
+                if !is_covered & (asks | !is_ahead | (enters >= stretches.nearest[at])) {
+                    continue;
+                }
+                let word = eight.word[i];
+                let center = vector(&stretches.offset, at) + blocks[block].center(slot);
+                let body = BodyPart { center, word, part: 0 };
+                let met = told.met(i, (block, slot), body);
+                if is_covered {
+                    covers.push(Cover { at, gone, met });
+                } else {
+                    stretches.nearest[at] = enters;
+                    grains.meet(at, &met, kinds.slabs_of(word));
+                }
+            }
+        }
+    }
+
+    /// Lets the paths at whose chords' ends other ice lies go on into the grain that they leave last; but those that are
+    /// `covered` by grains of other shapes, and those that few paths are like, as those in such grains do.
+    #[inline(always)]
+    pub(super) fn cross(&mut self, first: usize, mut covered: u32) {
+        if self.scratch.covers.is_empty() && covered == 0 {
+            return;
+        }
+        let mut covers = std::mem::take(&mut self.scratch.covers);
+        let (mut crosses, is_noted) = (0u32, self.visits.is_some());
+        for cover in &covers {
+            let flags = self.grid.blocks()[cover.met.block].radius[cover.met.slot];
+            let is_rare = is_noted || flags & MEETS_SURFACE != 0;
+            crosses |= 1 << cover.at;
+            covered |= u32::from(is_rare) << cover.at;
+        }
+        crosses &= !covered;
+        while let Some(at) = next(&mut crosses) {
+            let of_it = covers.iter().filter(|cover| cover.at == at);
+            let last = of_it.reduce(|last, next| if next.gone > last.gone { next } else { last });
+            if let Some(cover) = last {
+                self.cross_into(first + at, cover);
+            }
+        }
+        covers.clear();
+        self.scratch.covers = covers;
+        while let Some(at) = next(&mut covered) {
+            self.leave_visit(first + at);
+        }
+    }
+
+    /// Lets a path go on into another grain along its stretch.
+    fn cross_into(&mut self, index: usize, Cover { gone, met, .. }: &Cover) {
+        let (group, at) = (index / GROUP, index % GROUP);
+        let (lane, grains) = (&mut self.lanes[index], &mut self.in_grains[group]);
+        lane.add_ice(grains.ice(at));
+        lane.inside.stratum =
+            self.grid.strata().get(met.block).map_or(0, |strata| strata[met.slot]);
+        let end = self.stretches[group].travelled[at];
+        grains.cross(at, met, self.kinds.slabs_of(met.body.word), end);
+        grains.set_overlaps(at, self.grid.blocks()[met.block].radius[met.slot] & OVERLAPS != 0);
+        self.stretches[group].go_on(&self.cells, at, lane, *gone, met.body);
     }
 }
 

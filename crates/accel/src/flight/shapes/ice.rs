@@ -2,12 +2,12 @@
 
 use super::body::{interval, left, may_hold};
 use super::interface::Interface;
-use super::lane::{BodyPart, Inside, Phase};
-use super::near::near;
+use super::lane::{BodyPart, Inside};
+use super::near::{self, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 impl ShapeFlight<'_> {
     /// Follows a path in ice for as long as what its cells hold is known: from the origin of a stretch that stands on
@@ -24,7 +24,7 @@ impl ShapeFlight<'_> {
             if lane.inside.overlaps {
                 lane.seek_cell(&self.cells, lane.inside.leave);
                 if lane.cell != lane.entry_of {
-                    lane.phase = Phase::Ice;
+                    self.wait_in_ice(index);
                     return;
                 }
                 if let Some(next) = self.farthest_cover(simd, index) {
@@ -76,7 +76,9 @@ impl ShapeFlight<'_> {
         let mut best: Option<Inside> = None;
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let mut slots = near(simd, block, (position, direction), [f32::NEG_INFINITY, 0.0]);
+            let window = [f32::NEG_INFINITY, 0.0];
+            let near = near(simd, block, (position, direction), window, near::NOWHERE);
+            let mut slots = near.to_bitmask() as u32;
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;

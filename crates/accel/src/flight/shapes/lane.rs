@@ -82,7 +82,7 @@ pub(super) struct Entry {
 pub(super) struct Cells {
     pub(super) margin: f64,
     pub(super) side: DVec3,
-    inverse_side: DVec3,
+    pub(super) inverse_side: DVec3,
     pub(super) counts: [i32; 3],
     pub(super) periodic: [bool; 3],
 }
@@ -282,11 +282,18 @@ impl Lane {
         self.inside.body.center -= self.offset;
         self.offset = DVec3::ZERO;
         self.home = self.cell;
-        self.home_periods = self.periods;
         self.direction = direction;
         self.inverse_direction = direction.recip();
-        (self.travelled, self.counted) = (0.0, 0.0);
+        self.travelled = 0.0;
         (self.leaving, self.nearest) = (None, None);
+        self.begin_afresh();
+    }
+
+    /// Forgets what belongs to the stretch that came before.
+    #[inline(always)]
+    pub(super) fn begin_afresh(&mut self) {
+        self.counted = 0.0;
+        self.home_periods = self.periods;
         self.left_surface = None;
         self.surface = SurfaceAnswer::NotAsked;
     }

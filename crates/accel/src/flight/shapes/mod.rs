@@ -7,6 +7,7 @@
 //! is convex), and the face on which a chord begins is not where it ends.
 
 mod air;
+mod boarding;
 mod body;
 mod candidates;
 mod chain;
@@ -15,7 +16,9 @@ mod interface;
 mod lane;
 mod near;
 mod probe;
+mod round;
 mod slabs;
+mod stretches;
 mod visits;
 
 pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
@@ -23,19 +26,17 @@ pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 pub(super) use probe::ShapeProbes;
 
 use super::visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
-use super::{FirstGrain, FlightEvent, LANES, MAX_TURNS_IN_ICE, Travelled};
-use crate::grain_grid::{GridPosition, GridShapes, ShapeWord, Storage};
-use crate::prefetch::prefetch;
+use super::{FirstGrain, FlightEvent, LANES, Travelled};
+use crate::grain_grid::{GridPosition, GridShapes, ShapeWord};
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
-use air::Exit;
 use body::NOWHERE;
-use candidates::Candidate;
-use fearless_simd::{Level, Simd, dispatch};
+use candidates::{Kinds, Scratch};
+use fearless_simd::{Level, dispatch};
 use interface::Interface;
-use lane::{Cells, Inside, Lane, Phase};
+use lane::{BodyPart, Cells, Inside, Lane, Phase};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
-use std::ops::Range;
+use stretches::Stretches;
 use visits::Visits;
 
 /// Paths that move on together, while those of another group wait for memory.
@@ -53,11 +54,14 @@ pub(super) struct ShapeFlight<'a> {
     surfaces: &'a Surfaces,
     eta: f64,
     cells: Cells,
+    kinds: Kinds<'a>,
     lanes: Box<[Lane; LANES]>,
-    /// Of each group, its paths in grains between parallel faces.
+    /// Of each group, the stretches of its paths in air, and those in grains between parallel faces.
+    stretches: Box<[Stretches; LANES / GROUP]>,
     in_grains: Box<[Visits; LANES / GROUP]>,
-    /// What the paths of a group may meet next.
-    candidates: Vec<Candidate>,
+    /// Of each group, its paths that are followed one by one, in ice.
+    in_ice: [u32; LANES / GROUP],
+    scratch: Box<Scratch>,
     events: Vec<(usize, FlightEvent)>,
     /// Arrivals at grains, where they are noted.
     visits: Option<Vec<GrainVisit>>,
@@ -80,9 +84,12 @@ impl<'a> ShapeFlight<'a> {
             surfaces,
             eta,
             cells: Cells::of(grid),
+            kinds: Kinds::of(shapes),
             lanes: Box::new([Lane::default(); LANES]),
+            stretches: Box::default(),
             in_grains: Box::default(),
-            candidates: Vec::new(),
+            in_ice: [0; LANES / GROUP],
+            scratch: Box::default(),
             events: Vec::with_capacity(LANES),
             visits: None,
             deep: None,
@@ -110,7 +117,7 @@ impl<'a> ShapeFlight<'a> {
         lane.begin_stretch(&self.cells, 0.0, direction);
         lane.left_surface = excluded;
         self.go_on_in_air(index);
-        self.fetch_entries(index..index + 1);
+        self.fetch_entry(index);
     }
 
     pub(super) fn release(&mut self, index: usize, direction: DVec3, event: u32) {
@@ -119,7 +126,7 @@ impl<'a> ShapeFlight<'a> {
         lane.begin_stretch(&self.cells, lane.inside.leave, direction);
         lane.leaving = Some(lane.inside.body);
         self.go_on_in_air(index);
-        self.fetch_entries(index..index + 1);
+        self.fetch_entry(index);
     }
 
     /// Outward unit normal of the grain that the path of `lane` is in, at the end of its chord.
@@ -143,9 +150,9 @@ impl<'a> ShapeFlight<'a> {
         } else if self.begin_chord(index, NOWHERE) {
             let lane = &mut self.lanes[index];
             lane.seek_cell(&self.cells, lane.inside.leave);
-            lane.phase = Phase::Ice;
+            self.wait_in_ice(index);
         }
-        self.fetch_entries(index..index + 1);
+        self.fetch_entry(index);
     }
 
     pub(super) fn set_event(&mut self, lane: usize, event: u32) {
@@ -153,14 +160,18 @@ impl<'a> ShapeFlight<'a> {
     }
 
     pub(super) fn retire(&mut self, lane: usize) {
-        self.lanes[lane].phase = Phase::Still;
-        self.in_grains[lane / GROUP].end(lane % GROUP);
+        self.stand_still(lane);
     }
 
     pub(super) fn relocate(&mut self, from: usize, to: usize) {
         self.lanes[to] = self.lanes[from];
-        let source = self.in_grains[from / GROUP].clone();
-        self.in_grains[to / GROUP].copy(to % GROUP, &source, from % GROUP);
+        let ([group, at], [into, place]) = ([from / GROUP, from % GROUP], [to / GROUP, to % GROUP]);
+        let source = self.in_grains[group].clone();
+        self.in_grains[into].copy(place, &source, at);
+        let source = self.stretches[group].clone();
+        self.stretches[into].copy(place, &source, at);
+        self.in_ice[into] &= !(1 << place);
+        self.in_ice[into] |= (self.in_ice[group] >> at & 1) << place;
         self.retire(from);
     }
 
@@ -270,125 +281,20 @@ impl<'a> ShapeFlight<'a> {
         lane.left_surface.filter(|id| lane.travelled == 0.0 || !returns(id))
     }
 
-    /// Rounds until an event occurs or no path is left in flight.
-    #[inline(always)]
-    fn run<S: Simd>(&mut self, simd: S) {
-        while self.events.is_empty()
-            && self.visits.as_ref().is_none_or(|noted| noted.len() < VISITS_AT_ONCE)
-        {
-            let mut flying = false;
-            for first in (0..self.in_use).step_by(GROUP) {
-                flying |= self.round(simd, first..(first + GROUP).min(self.in_use));
-                self.fetch_entries(first.checked_sub(GROUP).map_or(0..0, |before| before..first));
-            }
-            let last = self.in_use.saturating_sub(1) / GROUP * GROUP;
-            self.fetch_entries(last..self.in_use);
-            if !flying {
-                return;
-            }
-        }
-    }
-
-    /// One step of the paths of a group; whether any is in flight.
-    #[inline(always)]
-    fn round<S: Simd>(&mut self, simd: S, lanes: Range<usize>) -> bool {
-        let first = lanes.start;
-        let mut exits = [Exit::default(); GROUP];
-        let mut candidates = std::mem::take(&mut self.candidates);
-        candidates.clear();
-        for index in lanes.clone() {
-            if self.lanes[index].phase != Phase::Air {
-                continue;
-            }
-            let exit = self.exit(&self.lanes[index]);
-            exits[index - first] = exit;
-            self.gather(simd, (index, exit.distance), &mut candidates);
-        }
-        self.meet(simd, &candidates);
-        self.candidates = candidates;
-        let mut flying = false;
-        for index in lanes {
-            match self.lanes[index].phase {
-                Phase::Still => continue,
-                Phase::Air => self.step_in_air(simd, index, &exits[index - first]),
-                Phase::Ice => self.go_on_in_ice(simd, index, None),
-                Phase::Visit => {}
-            }
-            flying = true;
-        }
-        self.step_in_grains(simd, first);
-        for index in first..first + GROUP {
-            self.prefetch_entry(index);
-        }
-        flying
-    }
-
-    /// One step of the paths of a group that are in grains between parallel faces.
-    #[inline(always)]
-    fn step_in_grains<S: Simd>(&mut self, simd: S, first: usize) {
-        let group = &mut self.in_grains[first / GROUP];
-        if group.is_empty() {
-            return;
-        }
-        let mut ends = group.travel(simd, self.eta);
-        while ends != 0 {
-            let at = ends.trailing_zeros() as usize & (GROUP - 1);
-            ends &= ends - 1;
-            self.leaves_visits(simd, first + at);
-        }
-        let mut out = self.in_grains[first / GROUP].turn(simd, self.eta);
-        while out != 0 {
-            let at = out.trailing_zeros() as usize & (GROUP - 1);
-            out &= out - 1;
-            self.end_visit(first + at);
-        }
-        let mut trapped = self.in_grains[first / GROUP].longer_than(MAX_TURNS_IN_ICE);
-        while trapped != 0 {
-            let at = trapped.trailing_zeros() as usize & (GROUP - 1);
-            trapped &= trapped - 1;
-            self.stop_in_grain(first + at);
-        }
-    }
-
     /// Stops a path on the face of its grain, inside.
     #[inline(never)]
     fn stop_in_grain(&mut self, index: usize) {
         let departure = self.in_grains[index / GROUP].departure(index % GROUP);
+        self.tell_where_inside(index);
         let lane = &mut self.lanes[index];
         let Inside { body, placement, .. } = &lane.inside;
         lane.origin = body.center + placement.rotation * departure.place * placement.radius;
         lane.travelled = 0.0;
         let direction = placement.rotation * departure.direction;
         lane.begin_stretch(&self.cells, 0.0, direction);
+        lane.inside.leave = 0.0;
         self.hand_back(index, &departure);
         self.stop(index, FlightEvent::Trapped);
-    }
-
-    /// Asks for what the cell of a path holds.
-    #[inline(always)]
-    fn prefetch_entry(&self, index: usize) {
-        let lane = &self.lanes[index];
-        let asks = matches!(lane.phase, Phase::Air | Phase::Ice);
-        if let (Storage::Packed(cells), true) = (self.grid.storage(), asks) {
-            cells.prefetch(lane.cell);
-        }
-    }
-
-    /// Looks it up, and asks for the blocks.
-    #[inline(always)]
-    fn fetch_entries(&mut self, lanes: Range<usize>) {
-        for lane in &mut self.lanes[lanes] {
-            if matches!(lane.phase, Phase::Air | Phase::Ice) {
-                lane.entry = self.grid.entry(lane.cell);
-                lane.entry_of = lane.cell;
-                self.grid.prefetch_blocks(lane.entry);
-                for number in lane.entry.blocks() {
-                    let words = &self.shapes.blocks[number];
-                    prefetch(&words[0]);
-                    prefetch(&words[8]);
-                }
-            }
-        }
     }
 
     /// Stratum of a grain.
@@ -399,8 +305,23 @@ impl<'a> ShapeFlight<'a> {
 
     /// Takes a path out of flight and tells the caller why.
     fn stop(&mut self, index: usize, event: FlightEvent) {
-        self.lanes[index].phase = Phase::Still;
+        self.stand_still(index);
         self.events.push((index, event));
+    }
+
+    /// Takes a path out of flight.
+    fn stand_still(&mut self, index: usize) {
+        self.lanes[index].phase = Phase::Still;
+        let (group, at) = (index / GROUP, index % GROUP);
+        self.stretches[group].end(at);
+        self.in_grains[group].end(at);
+        self.in_ice[group] &= !(1 << at);
+    }
+
+    /// Lets a path wait for what its cell holds at the end of its chord.
+    fn wait_in_ice(&mut self, index: usize) {
+        self.lanes[index].phase = Phase::Ice;
+        self.in_ice[index / GROUP] |= 1 << (index % GROUP);
     }
 }
 

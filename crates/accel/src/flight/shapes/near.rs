@@ -1,27 +1,85 @@
-//! Which grains of a block a ray may meet: by their bounding spheres, SIMD over the grains.
+//! Which grains of a block a ray may meet, or may hold a point: by their bounding spheres, SIMD over the grains.
 
-use crate::flight::meeting::{Meeting, meet};
-use crate::grain_grid::Block;
-use fearless_simd::f32x16;
+use crate::grain_grid::{Block, GRAINS_PER_BLOCK, RADIUS_MASK};
+use crate::words::floats;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, mask32x16, u16x16};
+
+/// The centre of no grain.
+pub(super) const NOWHERE: [f32; 3] = [-1.0; 3];
 
 /// How far, quanta, single precision may move the end of a chord of a sphere that is 2 quanta larger than a body
 /// that the line meets: so near to the rim, 5e-2 across the line are less than 4 along it.
 pub(super) const TOLERANCE: f32 = 8.0;
 
-/// A bit for each slot whose bounding sphere the line through `position` (cell quanta) along `direction` meets, from a
-/// little before the position on, and enters within `[first, last]` of it, to [`TOLERANCE`].
+/// From a point (cell quanta) to the centres of the spheres of a block, and their squared radii; and which have another
+/// centre than `but`.
+struct Around<S: Simd> {
+    x: f32x16<S>,
+    y: f32x16<S>,
+    z: f32x16<S>,
+    radius2: f32x16<S>,
+    others: mask32x16<S>,
+}
+
+impl<S: Simd> Around<S> {
+    #[inline(always)]
+    fn new(simd: S, block: &Block, position: [f32; 3], but: [f32; 3]) -> Self {
+        let splat = |x: f32| f32x16::splat(simd, x);
+        let center =
+            |words: &[u16; GRAINS_PER_BLOCK]| floats(simd, u16x16::from_slice(simd, words));
+        let (x, y, z) = (center(&block.x), center(&block.y), center(&block.z));
+        let is_itself =
+            x.simd_eq(splat(but[0])) & y.simd_eq(splat(but[1])) & z.simd_eq(splat(but[2]));
+        let bits = u16x16::from_slice(simd, &block.radius) & u16x16::splat(simd, RADIUS_MASK);
+        let radius = floats(simd, bits);
+        Self {
+            x: x - splat(position[0]),
+            y: y - splat(position[1]),
+            z: z - splat(position[2]),
+            radius2: radius * radius,
+            others: !is_itself,
+        }
+    }
+}
+
+/// The slots whose bounding sphere the line through `position` (cell quanta) along `direction` meets, from a little
+/// before the position on, and enters within `[first, last]` of it, to [`TOLERANCE`]; none for a grain whose centre is
+/// `but`.
 #[inline(always)]
 pub(super) fn near<S: Simd>(
     simd: S,
     block: &Block,
     (position, direction): ([f32; 3], [f32; 3]),
     [first, last]: [f32; 2],
-) -> u32 {
+    but: [f32; 3],
+) -> mask32x16<S> {
     let splat = |x: f32| f32x16::splat(simd, x);
-    let Meeting { met, middle, half } = meet(simd, block, position, direction);
-    let (enter, leave) = (middle - half, middle + half);
-    let ahead = leave.simd_gt(splat(-TOLERANCE));
-    let within = enter.simd_ge(splat(first - TOLERANCE)) & enter.simd_le(splat(last + TOLERANCE));
-    (met & ahead & within).to_bitmask() as u32
+    let Around { x, y, z, radius2, others } = Around::new(simd, block, position, but);
+    let (dx, dy, dz) = (splat(direction[0]), splat(direction[1]), splat(direction[2]));
+    let middle = x * dx + y * dy + z * dz;
+    let (rx, ry, rz) = (x - middle * dx, y - middle * dy, z - middle * dz);
+    // Half the chord, squared: no root is needed to compare it.
+    let half2 = radius2 - (rx * rx + ry * ry + rz * rz);
+    let zero = splat(0.0);
+    let behind = middle + splat(TOLERANCE);
+    let ahead = behind.simd_gt(zero) | half2.simd_gt(behind * behind);
+    let to_last = middle - splat(last + TOLERANCE);
+    let soon = to_last.simd_le(zero) | half2.simd_ge(to_last * to_last);
+    let to_first = middle - splat(first - TOLERANCE);
+    let late = to_first.simd_ge(zero) & half2.simd_le(to_first * to_first);
+    half2.simd_gt(zero) & others & ahead & soon & late
+}
+
+/// The slots whose bounding sphere holds a point (cell quanta); none for a grain whose centre is `but`. Spheres are 2
+/// quanta larger than bodies, which is more than rounding takes.
+#[inline(always)]
+pub(super) fn around<S: Simd>(
+    simd: S,
+    block: &Block,
+    position: [f32; 3],
+    but: [f32; 3],
+) -> mask32x16<S> {
+    let Around { x, y, z, radius2, others } = Around::new(simd, block, position, but);
+    (x * x + y * y + z * z).simd_lt(radius2) & others
 }

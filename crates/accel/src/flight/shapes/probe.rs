@@ -61,7 +61,7 @@ impl ShapeFlight<'_> {
         let clear =
             |passage: Option<Passage>| passage.map_or(ProbeAnswer::Clear, ProbeAnswer::Through);
         loop {
-            self.fetch_entries(0..1);
+            self.look_up_cell(0);
             let exit = self.exit(&self.lanes[0]);
             let nearest = self.nearest(simd, &self.lanes[0], exit.distance);
             self.lanes[0].nearest = nearest;

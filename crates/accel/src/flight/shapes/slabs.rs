@@ -4,7 +4,7 @@
 //! What `body` does with one ray and the planes of one body, by the same arithmetic; a pair of faces shares its
 //! products.
 
-use crate::grain_grid::{AXES, COS_30, ROUND};
+use crate::grain_grid::{AXES, COS_30, ROUND, Slabs};
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x8, mask64x8};
 
@@ -48,6 +48,11 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
+    pub(super) fn minus(self, other: Self) -> Self {
+        Self(self.0 - other.0, self.1 - other.1, self.2 - other.2)
+    }
+
+    #[inline(always)]
     pub(super) fn choose(truth: Truth<S>, yes: Self, no: Self) -> Self {
         Self(truth.select(yes.0, no.0), truth.select(yes.1, no.1), truth.select(yes.2, no.2))
     }
@@ -66,6 +71,18 @@ impl<S: Simd> Vectors<S> {
         let (x, z) = (self.0 * across, self.2 * half);
         [self.1, z + x, self.2, z - x, self.0]
     }
+}
+
+/// Vectors in the world that are given in spaces of these axes.
+#[inline(always)]
+pub(super) fn turned<S: Simd>([x, y, z]: [Vectors<S>; 3], v: Vectors<S>) -> Vectors<S> {
+    x.scaled(v.0).plus(y, v.1).plus(z, v.2)
+}
+
+/// Vectors in the spaces of these axes.
+#[inline(always)]
+pub(super) fn turned_back<S: Simd>([x, y, z]: [Vectors<S>; 3], v: Vectors<S>) -> Vectors<S> {
+    Vectors(x.dot(v), y.dot(v), z.dot(v))
 }
 
 /// The bodies of eight rays.
@@ -89,8 +106,21 @@ impl<S: Simd> Bodies<S> {
     ) -> Self {
         let load = |row: &[f64; N]| D::<S>::from_slice(simd, &row[at..at + WIDTH]);
         Self {
-            half: std::array::from_fn(|axis| load(&half[axis])),
+            half: [load(&half[0]), load(&half[1]), load(&half[2]), load(&half[3]), load(&half[4])],
             shrink: [load(&shrink[0]), load(&shrink[1])],
+            has_x,
+            has_round,
+        }
+    }
+
+    /// Eight bodies that are alike.
+    #[inline(always)]
+    pub(super) fn alike(simd: S, slabs: &Slabs, (has_x, has_round): (bool, bool)) -> Self {
+        let splat = |x: f64| D::<S>::splat(simd, x);
+        let ([a, b, c, d, e], [across, along]) = (slabs.half, slabs.shrink);
+        Self {
+            half: [splat(a), splat(b), splat(c), splat(d), splat(e)],
+            shrink: [splat(across), splat(along)],
             has_x,
             has_round,
         }
@@ -263,9 +293,8 @@ impl<S: Simd> Chords<S> {
 pub(super) struct Interfaces<S: Simd> {
     /// Whether light passes.
     pub(super) pass: Truth<S>,
-    /// Its direction if it does, if not.
-    pub(super) refracted: Vectors<S>,
-    pub(super) reflected: Vectors<S>,
+    /// Its direction then, if not that of what is reflected.
+    pub(super) turned: Vectors<S>,
 }
 
 impl<S: Simd> Interfaces<S> {
@@ -290,12 +319,10 @@ impl<S: Simd> Interfaces<S> {
         let (a, b) = (bent + beyond, cosine + splat(ratio) * beyond);
         let (a2, b2) = (a * a, b * b);
         let passes = splat(2.0 * ratio) * (cosine * beyond) * (a2 + b2);
-        let refracted = direction.scaled(splat(ratio)).plus(facing, bent - beyond);
-        Self {
-            pass: is_refracted & (random * (a2 * b2)).simd_lt(passes),
-            refracted: refracted.straightened(simd),
-            reflected: direction.plus(facing, cosine + cosine).straightened(simd),
-        }
+        let pass = is_refracted & (random * (a2 * b2)).simd_lt(passes);
+        let along = direction.scaled(pass.select(splat(ratio), one));
+        let turned = along.plus(facing, pass.select(bent - beyond, cosine + cosine));
+        Self { pass, turned: turned.straightened(simd) }
     }
 }
 
@@ -305,7 +332,7 @@ mod tests {
     use super::super::candidates::part_of;
     use super::*;
     use crate::SimdLevel;
-    use crate::grain_grid::{Part, Prototype, Slabs};
+    use crate::grain_grid::{Part, Prototype};
     use fearless_simd::dispatch;
     use snowgrain_geometry::{Shape, ShapeKind};
     use snowgrain_math::DVec3;

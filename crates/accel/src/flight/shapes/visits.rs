@@ -1,43 +1,56 @@
 //! Light in grains between parallel faces: sixteen paths at a time, each in the space of its own grain.
 //!
-//! What `arrive` and `go_on_in_ice` do with one path. A step takes each path in at its face, if it has just arrived,
-//! along one chord, and out at its end; those that are reflected there wait for the next step, since a loop would be
-//! left at a point that no processor can foresee. Between the chord and its end the caller looks whether other ice lies
-//! there.
+//! What `arrive` and `go_on_in_ice` do with one path. A step takes each path that stands at the end of a chord out or back,
+//! then in at its face if it has just arrived, and along one chord; those that are inside wait for the next step, since a
+//! loop would be left at a point that no processor can foresee, and since other ice may lie at the end of the chord, of
+//! which cells must be asked.
+//!
+//! The grain that a path in air may meet next is kept here too, until it is met.
 
 use super::GROUP;
-use super::slabs::{Bodies, D, Interfaces, Truth, Vectors, WIDTH, left, normals};
+use super::candidates::Kinds;
+use super::lane::BodyPart;
+use super::slabs::{Bodies, D, Interfaces, Truth, Vectors, WIDTH, left, normals, turned};
+use super::stretches::{copy_column, set_vector, vector};
 use crate::flight::random::{NEXT_EVENT, prepared, uniform_24_bits, unprepared};
 use crate::flight::vector::W;
 use crate::grain_grid::{AXES, Slabs};
-use fearless_simd::mask64x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{mask32x16, mask64x8};
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
 
-/// The visits of a group. Lengths in radii.
+/// The visits of a group. Lengths in radii, but for centres and radii.
 #[derive(Clone, Debug)]
 pub(super) struct Visits {
-    /// Paths that stand outside, at the face by which they would enter, and paths inside.
+    /// Paths that stand outside, at the face by which they would enter, and paths inside, at the end of a chord.
     fresh: u32,
     inside: u32,
-    /// Paths that have made a chord and stand at its end.
-    at_end: u32,
+    /// Paths that have come from one grain into another.
+    crossing: u32,
     /// Paths in grains that other ice may overlap.
     overlapping: u32,
-    place: [[f64; GROUP]; 3],
-    direction: [[f64; GROUP]; 3],
-    /// The face on which a path stands.
-    on: [f64; GROUP],
+    /// The grains: centres from the corners of the paths' home cells, the axes of their spaces in the world, radii.
+    pub(super) center: [[f64; GROUP]; 3],
+    axes: [[[f64; GROUP]; 3]; 3],
+    radius: [f64; GROUP],
+    word: [u64; GROUP],
+    part: [u16; GROUP],
+    block: [u32; GROUP],
+    slot: [u32; GROUP],
     half: [[f64; GROUP]; AXES],
     shrink: [[f64; GROUP]; 2],
+    /// Where a path is; of one in air, from where its distances are told.
+    place: [[f64; GROUP]; 3],
+    direction: [[f64; GROUP]; 3],
+    /// Where on its stretch a path in air enters the grain.
+    enter: [f64; GROUP],
+    /// The face on which a path stands, or by which it enters.
+    on: [f64; GROUP],
     ice: [f64; GROUP],
     key: [[u32; GROUP]; 2],
     event: [u32; GROUP],
     turns: [u32; GROUP],
-    /// Of all bodies that have been here.
-    has_x: bool,
-    has_round: bool,
 }
 
 impl Default for Visits {
@@ -45,32 +58,43 @@ impl Default for Visits {
         Self {
             fresh: 0,
             inside: 0,
-            at_end: 0,
+            crossing: 0,
             overlapping: 0,
-            place: [[0.0; GROUP]; 3],
-            direction: [[0.0; GROUP]; 3],
-            on: [0.0; GROUP],
+            center: [[0.0; GROUP]; 3],
+            axes: [[[0.0; GROUP]; 3]; 3],
+            radius: [1.0; GROUP],
+            word: [0; GROUP],
+            part: [0; GROUP],
+            block: [0; GROUP],
+            slot: [0; GROUP],
             half: [[0.0; GROUP]; AXES],
             shrink: [[0.0; GROUP]; 2],
+            place: [[0.0; GROUP]; 3],
+            direction: [[0.0; GROUP]; 3],
+            enter: [0.0; GROUP],
+            on: [0.0; GROUP],
             ice: [0.0; GROUP],
             key: [[0; GROUP]; 2],
             event: [0; GROUP],
             turns: [0; GROUP],
-            has_x: false,
-            has_round: false,
         }
     }
 }
 
-/// Light that arrives at a grain, in the grain's space.
-pub(super) struct Arrival<'a> {
-    pub(super) place: DVec3,
+/// A grain that a path meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Met {
+    pub(super) body: BodyPart,
+    pub(super) block: usize,
+    pub(super) slot: usize,
+    pub(super) radius: f64,
+    pub(super) axes: [DVec3; 3],
+    /// The path in the grain's space, and where it enters.
+    pub(super) origin: DVec3,
     pub(super) direction: DVec3,
-    /// The face that it meets.
+    pub(super) enter: f64,
+    /// The face by which it does.
     pub(super) face: f64,
-    pub(super) slabs: &'a Slabs,
-    /// Whether other ice may overlap the grain.
-    pub(super) overlaps: bool,
 }
 
 /// A path after its visit, in the grain's space, on the face of the grain.
@@ -87,59 +111,146 @@ pub(super) struct Departure {
 }
 
 impl Visits {
-    /// Takes a path in.
+    /// Notes the grain that a path in air meets, as far as is known, and its faces where not all grains have the same.
     #[inline(always)]
-    pub(super) fn begin(&mut self, at: usize, arrival: &Arrival<'_>, key: PathKey, event: u32) {
-        for axis in 0..3 {
-            self.place[axis][at] = arrival.place[axis];
-            self.direction[axis][at] = arrival.direction[axis];
+    pub(super) fn meet(&mut self, at: usize, met: &Met, slabs: Option<&Slabs>) {
+        set_vector(&mut self.center, at, met.body.center);
+        for (axes, axis) in self.axes.iter_mut().zip(met.axes) {
+            set_vector(axes, at, axis);
         }
-        let Slabs { half, shrink, .. } = arrival.slabs;
-        for (row, half) in self.half.iter_mut().zip(half) {
-            row[at] = *half;
+        set_vector(&mut self.place, at, met.origin);
+        set_vector(&mut self.direction, at, met.direction);
+        self.radius[at] = met.radius;
+        (self.word[at], self.part[at]) = (met.body.word, met.body.part);
+        (self.block[at], self.slot[at]) = (met.block as u32, met.slot as u32);
+        (self.enter[at], self.on[at]) = (met.enter, met.face);
+        if let Some(Slabs { half, shrink, .. }) = slabs {
+            for (row, half) in self.half.iter_mut().zip(half) {
+                row[at] = *half;
+            }
+            (self.shrink[0][at], self.shrink[1][at]) = (shrink[0], shrink[1]);
         }
-        self.shrink[0][at] = shrink[0];
-        self.shrink[1][at] = shrink[1];
-        self.has_x |= half[AXES - 1] < f64::INFINITY;
-        self.has_round |= shrink[0] > 0.0;
-        self.on[at] = arrival.face;
-        self.ice[at] = 0.0;
+    }
+
+    /// The part that was noted.
+    pub(super) fn body(&self, at: usize) -> BodyPart {
+        let center = vector(&self.center, at);
+        BodyPart { center, word: self.word[at], part: self.part[at] }
+    }
+
+    /// Its block and slot.
+    #[inline(always)]
+    pub(super) fn slot(&self, at: usize) -> (usize, usize) {
+        (self.block[at] as usize, self.slot[at] as usize)
+    }
+
+    pub(super) fn face(&self, at: usize) -> f64 {
+        self.on[at]
+    }
+
+    pub(super) fn enter(&self, at: usize) -> f64 {
+        self.enter[at]
+    }
+
+    #[inline(always)]
+    pub(super) fn word(&self, at: usize) -> u64 {
+        self.word[at]
+    }
+
+    /// Whether other ice may overlap the grain in which a path is.
+    pub(super) fn overlaps(&self, at: usize) -> bool {
+        self.overlapping >> at & 1 != 0
+    }
+
+    /// Takes paths in that have arrived at the grains that were noted.
+    #[inline(always)]
+    pub(super) fn arrive<S: Simd>(&mut self, simd: S, lanes: u32) {
+        for first in [0, WIDTH] {
+            let these: Truth<S> = mask64x8::from_bitmask(simd, bits(lanes, first));
+            let place = Vectors::load(simd, &self.place, first);
+            let direction = Vectors::load(simd, &self.direction, first);
+            let enter = D::<S>::from_slice(simd, &self.enter[first..first + WIDTH]);
+            let entered = place.plus(direction, enter);
+            Vectors::choose(these, entered, place).store(&mut self.place, first);
+            let ice = D::<S>::from_slice(simd, &self.ice[first..first + WIDTH]);
+            let ice = these.select(D::<S>::splat(simd, 0.0), ice);
+            ice.store_slice(&mut self.ice[first..first + WIDTH]);
+        }
+        self.fresh |= lanes;
+    }
+
+    /// Notes the random numbers of a path that arrives, and whether other ice may overlap its grain.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, at: usize, key: PathKey, event: u32, overlaps: bool) {
         self.key[0][at] = prepared(key.lo);
         self.key[1][at] = prepared(key.hi);
         self.event[at] = prepared(event);
         self.turns[at] = 0;
-        self.fresh |= 1 << at;
-        self.overlapping &= !(1 << at);
-        self.overlapping |= u32::from(arrival.overlaps) << at;
+        self.set_overlaps(at, overlaps);
     }
 
-    /// Whether no path is here.
+    /// Lets a path, that stands at the end of its chord `end` quanta after the beginning of its stretch, go on into another
+    /// grain.
+    pub(super) fn cross(&mut self, at: usize, met: &Met, slabs: Option<&Slabs>, end: f64) {
+        self.meet(at, met, slabs);
+        self.on[at] = 0.0;
+        self.ice[at] = -(end / met.radius);
+        self.inside &= !(1 << at);
+        self.crossing |= 1 << at;
+    }
+
+    /// Tells whether other ice may overlap the grain of a path.
     #[inline(always)]
-    pub(super) fn is_empty(&self) -> bool {
-        self.fresh | self.inside == 0
+    pub(super) fn set_overlaps(&mut self, at: usize, overlaps: bool) {
+        self.overlapping &= !(1 << at);
+        self.overlapping |= u32::from(overlaps) << at;
+    }
+
+    /// Whether any path is here.
+    #[inline(always)]
+    pub(super) fn any(&self) -> bool {
+        self.fresh | self.inside | self.crossing != 0
+    }
+
+    /// Paths that have come from one grain into another, whose stretches have not begun in these.
+    #[inline(always)]
+    pub(super) fn crossing(&self) -> u32 {
+        self.crossing
+    }
+
+    /// Length in ice of a path in its grain, quanta.
+    #[inline(always)]
+    pub(super) fn ice(&self, at: usize) -> f64 {
+        self.ice[at] * self.radius[at]
+    }
+
+    /// Paths that stand at the end of a chord in grains that other ice may overlap.
+    #[inline(always)]
+    pub(super) fn may_be_covered(&self) -> u32 {
+        self.inside & self.overlapping
     }
 
     /// Forgets a path.
+    #[inline(always)]
     pub(super) fn end(&mut self, at: usize) {
         self.fresh &= !(1 << at);
         self.inside &= !(1 << at);
-        self.at_end &= !(1 << at);
+        self.crossing &= !(1 << at);
     }
 
     /// Paths that have met more interfaces than this without coming out.
     #[inline(always)]
-    pub(super) fn longer_than(&self, turns: u32) -> u32 {
-        let is_longer = |at: usize| self.inside >> at & 1 != 0 && self.turns[at] > turns;
-        (0..GROUP).filter(|&at| is_longer(at)).fold(0, |lanes, at| lanes | 1 << at)
+    pub(super) fn longer_than<S: Simd>(&self, simd: S, turns: u32) -> u32 {
+        let longer = W::<S>::from_slice(simd, &self.turns).simd_gt(W::<S>::splat(simd, turns));
+        self.inside & longer.to_bitmask() as u32
     }
 
     /// Where a path is.
     #[inline(always)]
     pub(super) fn departure(&self, at: usize) -> Departure {
-        let vector = |axes: &[[f64; GROUP]; 3]| DVec3::new(axes[0][at], axes[1][at], axes[2][at]);
         Departure {
-            place: vector(&self.place),
-            direction: vector(&self.direction),
+            place: vector(&self.place, at),
+            direction: vector(&self.direction, at),
             face: self.on[at],
             ice: self.ice[at],
             event: unprepared(self.event[at]),
@@ -147,79 +258,104 @@ impl Visits {
         }
     }
 
+    /// Length in ice of a path, quanta, and its next random event.
+    #[inline(always)]
+    pub(super) fn outcome(&self, at: usize) -> (f64, u32) {
+        (self.ice(at), unprepared(self.event[at]))
+    }
+
     /// Copies the path at `from` of `source` to `to`.
     pub(super) fn copy(&mut self, to: usize, source: &Self, from: usize) {
-        for axis in 0..3 {
-            self.place[axis][to] = source.place[axis][from];
-            self.direction[axis][to] = source.direction[axis][from];
+        for (rows, theirs) in [
+            (&mut self.center, &source.center),
+            (&mut self.place, &source.place),
+            (&mut self.direction, &source.direction),
+        ] {
+            copy_column(rows, to, theirs, from);
         }
-        for (row, theirs) in self.half.iter_mut().zip(&source.half) {
-            row[to] = theirs[from];
+        for (rows, theirs) in self.axes.iter_mut().zip(&source.axes) {
+            copy_column(rows, to, theirs, from);
         }
-        for (row, theirs) in self.shrink.iter_mut().zip(&source.shrink) {
-            row[to] = theirs[from];
-        }
-        for (row, theirs) in self.key.iter_mut().zip(&source.key) {
-            row[to] = theirs[from];
-        }
+        copy_column(&mut self.half, to, &source.half, from);
+        copy_column(&mut self.shrink, to, &source.shrink, from);
+        copy_column(&mut self.key, to, &source.key, from);
+        self.radius[to] = source.radius[from];
+        self.word[to] = source.word[from];
+        self.part[to] = source.part[from];
+        self.block[to] = source.block[from];
+        self.slot[to] = source.slot[from];
+        self.enter[to] = source.enter[from];
         self.on[to] = source.on[from];
         self.ice[to] = source.ice[from];
         self.event[to] = source.event[from];
         self.turns[to] = source.turns[from];
-        self.has_x |= source.has_x;
-        self.has_round |= source.has_round;
         self.end(to);
         self.fresh |= (source.fresh >> from & 1) << to;
         self.inside |= (source.inside >> from & 1) << to;
-        self.overlapping &= !(1 << to);
-        self.overlapping |= (source.overlapping >> from & 1) << to;
+        self.crossing |= (source.crossing >> from & 1) << to;
+        self.set_overlaps(to, source.overlaps(from));
     }
 
-    /// Takes those in that have arrived, in ice of relative index `eta`, and follows each to the end of its chord. Those of
-    /// them are told where other ice may lie.
+    /// At the ends of chords: out, or reflected. Those that are outside.
     #[inline(always)]
-    pub(super) fn travel<S: Simd>(&mut self, simd: S, eta: f64) -> u32 {
+    pub(super) fn turn<S: Simd>(&mut self, simd: S, kinds: Kinds<'_>, eta: f64) -> u32 {
         let random = self.random(simd);
-        self.use_events(self.fresh);
-        self.at_end = self.inside;
-        for (half, &random) in random.iter().enumerate() {
-            let first = half * WIDTH;
-            let lanes = [self.fresh, self.inside].map(|lanes| bits(lanes, first));
-            if lanes != [0; 2] {
-                let entered = self.travel_eight(simd, (first, lanes), eta, random);
-                self.at_end |= (entered.to_bitmask() as u32) << first;
-            }
-        }
-        self.at_end & self.overlapping
-    }
-
-    /// At the ends of chords: out, or reflected. Those that are outside, and no longer here.
-    #[inline(always)]
-    pub(super) fn turn<S: Simd>(&mut self, simd: S, eta: f64) -> u32 {
-        let random = self.random(simd);
-        let here = self.fresh | self.inside;
+        let at_end = self.inside;
         let mut inside = 0;
         for (half, &random) in random.iter().enumerate() {
             let first = half * WIDTH;
-            let lanes = bits(self.at_end, first);
+            let lanes = bits(at_end, first);
             if lanes != 0 {
-                let stays = self.turn_eight(simd, (first, lanes), eta, random);
+                let stays = self.turn_eight(simd, kinds, (first, lanes), eta, random);
                 inside |= (stays.to_bitmask() as u32) << first;
             }
         }
-        self.use_events(self.at_end);
-        (self.fresh, self.inside, self.at_end) = (0, inside, 0);
-        here & !inside
+        self.use_events(simd, at_end);
+        self.inside = inside;
+        at_end & !inside
+    }
+
+    /// Takes those in that have arrived, in ice of relative index `eta`, and follows all that are inside to the end of a
+    /// chord. Those that did not enter, and are no longer here.
+    #[inline(always)]
+    pub(super) fn travel<S: Simd>(&mut self, simd: S, kinds: Kinds<'_>, eta: f64) -> u32 {
+        let random = self.random(simd);
+        let (fresh, inside) = (self.fresh, self.inside | self.crossing);
+        self.use_events(simd, fresh);
+        self.inside = inside;
+        for (half, &random) in random.iter().enumerate() {
+            let first = half * WIDTH;
+            let lanes = [bits(fresh, first), bits(inside, first)];
+            if lanes != [0; 2] {
+                let entered = self.travel_eight(simd, kinds, (first, lanes), eta, random);
+                self.inside |= (entered.to_bitmask() as u32) << first;
+            }
+        }
+        (self.fresh, self.crossing) = (0, 0);
+        fresh & !self.inside
     }
 
     /// Counts an interface of each of these paths.
     #[inline(always)]
-    fn use_events(&mut self, lanes: u32) {
-        for at in 0..GROUP {
-            let used = lanes >> at & 1;
-            self.event[at] = self.event[at].wrapping_add(NEXT_EVENT & 0u32.wrapping_sub(used));
-            self.turns[at] += used;
+    fn use_events<S: Simd>(&mut self, simd: S, lanes: u32) {
+        let used = mask32x16::from_bitmask(simd, u64::from(lanes));
+        let none = W::<S>::splat(simd, 0);
+        for (row, step) in [(&mut self.event, NEXT_EVENT), (&mut self.turns, 1)] {
+            let added = used.select(W::<S>::splat(simd, step), none);
+            (W::<S>::from_slice(simd, row) + added).store_slice(row);
         }
+    }
+
+    /// Places, directions and centres of the grains of eight paths, in the world: from the corners of their home cells.
+    #[inline(always)]
+    pub(super) fn in_the_world<S: Simd>(&self, simd: S, first: usize) -> [Vectors<S>; 3] {
+        let axis = |axis: usize| Vectors::load(simd, &self.axes[axis], first);
+        let axes = [axis(0), axis(1), axis(2)];
+        let center = Vectors::load(simd, &self.center, first);
+        let radius = D::<S>::from_slice(simd, &self.radius[first..first + WIDTH]);
+        let place = turned(axes, Vectors::load(simd, &self.place, first));
+        let direction = turned(axes, Vectors::load(simd, &self.direction, first));
+        [center.plus(place, radius), direction, center]
     }
 
     /// The first random number of the next event of each path.
@@ -233,9 +369,8 @@ impl Visits {
     }
 
     #[inline(always)]
-    fn bodies<S: Simd>(&self, simd: S, first: usize) -> Bodies<S> {
-        let flags = (self.has_x, self.has_round);
-        Bodies::load(simd, (&self.half, &self.shrink), first, flags)
+    fn bodies<S: Simd>(&self, simd: S, kinds: Kinds<'_>, first: usize) -> Bodies<S> {
+        kinds.bodies(simd, (&self.half, &self.shrink), first)
     }
 
     /// Of the eight paths from `first` on: which entered.
@@ -243,21 +378,21 @@ impl Visits {
     fn travel_eight<S: Simd>(
         &mut self,
         simd: S,
+        kinds: Kinds<'_>,
         (first, [fresh, inside]): (usize, [u64; 2]),
         eta: f64,
         random: D<S>,
     ) -> Truth<S> {
         let truth = |lanes| mask64x8::from_bitmask(simd, lanes);
         let (fresh, inside) = (truth(fresh), truth(inside));
-        let bodies = self.bodies(simd, first);
+        let bodies = self.bodies(simd, kinds, first);
         let place = Vectors::load(simd, &self.place, first);
         let direction = Vectors::load(simd, &self.direction, first);
         let on = D::<S>::from_slice(simd, &self.on[first..first + WIDTH]);
         let outward = normals(simd, &bodies, on, place);
         let at = Interfaces::new(simd, (direction, outward), 1.0 / eta, random);
         let entered = fresh & at.pass;
-        let turned = Vectors::choose(at.pass, at.refracted, at.reflected);
-        let direction = Vectors::choose(fresh, turned, direction);
+        let direction = Vectors::choose(fresh, at.turned, direction);
         direction.store(&mut self.direction, first);
         let travels = entered | inside;
         let (length, by) = left(simd, &bodies, (place, direction), on);
@@ -274,19 +409,19 @@ impl Visits {
     fn turn_eight<S: Simd>(
         &mut self,
         simd: S,
+        kinds: Kinds<'_>,
         (first, at_end): (usize, u64),
         eta: f64,
         random: D<S>,
     ) -> Truth<S> {
         let at_end: Truth<S> = mask64x8::from_bitmask(simd, at_end);
-        let bodies = self.bodies(simd, first);
+        let bodies = self.bodies(simd, kinds, first);
         let place = Vectors::load(simd, &self.place, first);
         let direction = Vectors::load(simd, &self.direction, first);
         let on = D::<S>::from_slice(simd, &self.on[first..first + WIDTH]);
         let inward = normals(simd, &bodies, on, place).scaled(D::<S>::splat(simd, -1.0));
         let at = Interfaces::new(simd, (direction, inward), eta, random);
-        let turned = Vectors::choose(at.pass, at.refracted, at.reflected);
-        Vectors::choose(at_end, turned, direction).store(&mut self.direction, first);
+        Vectors::choose(at_end, at.turned, direction).store(&mut self.direction, first);
         at_end & !at.pass
     }
 }
