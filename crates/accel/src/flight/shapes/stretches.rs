@@ -268,21 +268,20 @@ impl Stretches {
         let set = |lanes: u32| mask32x16::from_bitmask(simd, u64::from(lanes));
         let mut moved = [none; 3];
         let mut outside = 0;
-        for axis in 0..3 {
+        for (axis, moved) in moved.iter_mut().enumerate() {
             let up = set(lanes & self.crosses[axis] & self.upwards[axis]);
             let down = set(lanes & self.crosses[axis] & !self.upwards[axis]);
             let cell = i32x16::from_slice(simd, &self.cell[axis]);
-            moved[axis] = cell + up.select(one, none) - down.select(one, none);
+            *moved = cell + up.select(one, none) - down.select(one, none);
             let last = i32x16::splat(simd, cells.counts[axis] - 1);
-            let beyond = moved[axis].simd_lt(none) | moved[axis].simd_gt(last);
+            let beyond = moved.simd_lt(none) | moved.simd_gt(last);
             outside |= beyond.to_bitmask() as u32;
         }
         let stay = lanes & outside;
         let go = lanes & !outside;
         self.moved |= go;
-        for axis in 0..3 {
-            let cell = i32x16::from_slice(simd, &self.cell[axis]);
-            set(go).select(moved[axis], cell).store_slice(&mut self.cell[axis]);
+        for (row, moved) in self.cell.iter_mut().zip(moved) {
+            set(go).select(moved, i32x16::from_slice(simd, row)).store_slice(row);
         }
         for first in [0, WIDTH] {
             let exit = load(simd, &self.exit, first);
@@ -355,8 +354,8 @@ impl Stretches {
             let inverse = splat(cells.inverse_side[axis]);
             steps[axis] = ((local - splat(cells.margin)) * inverse).floor();
             let offset = offset + steps[axis] * splat(cells.side[axis]);
-            origins[axis] = origins[axis] - offset;
-            centers[axis] = centers[axis] - offset;
+            origins[axis] -= offset;
+            centers[axis] -= offset;
             store(simd, these, origins[axis], &mut self.origin[axis], first);
             store(simd, these, directions[axis], &mut self.direction[axis], first);
             let inverse = splat(1.0) / directions[axis];
@@ -390,9 +389,9 @@ impl Stretches {
     #[inline(always)]
     pub(super) fn find_bricks<S: Simd>(&mut self, simd: S, brick_steps: [u32; 3]) {
         let (mut brick, mut within) = (u32x16::splat(simd, 0), u32x16::splat(simd, 0));
-        for axis in 0..3 {
+        for (axis, step) in brick_steps.into_iter().enumerate() {
             let cell: u32x16<S> = i32x16::from_slice(simd, &self.cell[axis]).bitcast();
-            brick += (cell >> 3) * u32x16::splat(simd, brick_steps[axis]);
+            brick += (cell >> 3) * u32x16::splat(simd, step);
             within |= (cell & 7) << (3 * axis as u32);
         }
         brick.store_slice(&mut self.brick);
