@@ -5,10 +5,10 @@
 set -e
 cd "$(dirname "$0")"
 for frame in 01 02 03 04 05 06 07 08 09 10 11 12; do
-  case $frame in 0[1-6]) error=0.01 ;; *) error=0.003 ;; esac
+  case $frame in 0[1-6]) error=0.003 ;; *) error=0.001 ;; esac
   snowgrain render zoom.toml --frame $frame --quiet --spp "${SPP:-96}" --lod-error $error --learnt-cache zoom-learnt -o zoom-$frame.png \
     --json-stats zoom-$frame.json
-  snowgrain render zoom.toml --frame $frame --quiet --crop 168,104,216,152 --spp "${CROP_SPP:-2048}" --lod-error $error \
+  snowgrain render zoom.toml --frame $frame --quiet --crop 168,104,216,152 --spp 8192 --lod-error $error \
     --learnt-cache zoom-learnt -o zoom-fast.exr
   snowgrain render zoom.toml --frame $frame --quiet --crop 168,104,216,152 --spp "${CROP_SPP:-2048}" --set film.seed=2 \
     -o zoom-exact.exr --json-stats zoom-exact-$frame.json

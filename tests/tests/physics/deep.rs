@@ -133,6 +133,30 @@ fn a_thin_dusting_is_exact() {
     assert!(film(&learnt_scene, 8).pixels() == exact.pixels());
 }
 
+/// Snow of ten grains' diameters on red ground, where light ends a quarter of a transport length from either: within 1 % and 4 sigma
+/// in each channel.
+#[test]
+fn a_dusting_on_red_ground_keeps_its_colour() {
+    let dusting = SNOW
+        .replace(
+            "source = \"pack\"\nbox = [0, 0, 0, 0.04, 0.04, 0.04]",
+            "source = \"deposit\"\ndepth = \"8 mm\"\narea = [0, 0, 0.04, 0.04]",
+        )
+        .replace("albedo = [0.6, 0.3, 0.1]", "albedo = [0.7, 0.05, 0.05]")
+        .replace("at = [0.02, 0.038, 0.02]", "at = [0.02, 0.006, 0.02]");
+    let exact = film(&scene(&dusting, &[]), 512);
+    let learnt_scene = scene(&dusting, &LEARNT);
+    println!("deep: {}", learnt_scene.outcomes.is_some());
+    let learnt = film(&learnt_scene, 512);
+    for colour in 0..3 {
+        let [a, b] = [channel(&exact, colour), channel(&learnt, colour)];
+        let error =
+            (a.standard_error * a.standard_error + b.standard_error * b.standard_error).sqrt();
+        println!("dusting {colour}: {a:?} {b:?} {:+.2} %", 100.0 * (b.mean / a.mean - 1.0));
+        assert!((b.mean - a.mean).abs() <= 0.01 * a.mean + SIGMAS * error, "{a:?} {b:?}");
+    }
+}
+
 /// What is learnt and rendered does not depend on threads or instructions.
 #[test]
 fn learnt_light_is_the_same_on_any_thread() {

@@ -77,9 +77,9 @@ pub(super) struct Handover {
 impl Handover {
     /// The default first.
     pub(super) const ALL: [Self; 3] = [
-        Self { error: 0.01, after_grains: 4, depth: 0.5 },
-        Self { error: 0.003, after_grains: 8, depth: 1.0 },
-        Self { error: 0.001, after_grains: 16, depth: 2.0 },
+        Self { error: 0.01, after_grains: 4, depth: 0.25 },
+        Self { error: 0.003, after_grains: 4, depth: 0.5 },
+        Self { error: 0.001, after_grains: 8, depth: 1.0 },
     ];
 }
 

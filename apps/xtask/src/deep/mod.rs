@@ -119,7 +119,7 @@ snowgrain render scene.toml --lod-error 0.01 -o out.png
 or, in the scene, `integrator.deep = \"learnt\"` and `integrator.lod_error = 0.01` (the default). What light brings is learnt before the \
 picture by paths of the camera that are followed to their end (`integrator.learning_paths`), from where each first arrives deep in the snow; a table of the light of each group with two lengths in ice, so that colours, impurities, layers and regrading go on as \
 ever. It is a function of the scene and the seed: the same bits on any machine. Snow that is nowhere deep (a dusting) is \
-rendered exactly, and so is all light that comes back before it has met a few grains and is half a transport length from open air and from \
+rendered exactly, and so is all light that comes back before it has met a few grains and is a quarter of a transport length from open air and from \
 surfaces (`deep_after_grains`, `deep_depth`).
 
 Light that is deep may also go on among grains that are met at random, or jump over spheres of snow (`integrator.deep = \"proxy\"`, \
@@ -129,8 +129,7 @@ A transport length is the way on which light forgets its direction: for spheres 
 275 kg/m^3, 1/density and proportional to the radius. Of other substances and shapes it follows from the shadow and the asymmetry of one of their grains.
 
 The learning paths are such as the picture is made of, and each counts where one of the picture would end, with what it then brought. So the mean \
-of the whole picture is off by no more than the chance of those paths, whatever the grains, the lights and the snow: that of \
-262 144 paths was 0.1 to 0.2 %. What a place brings is told from cells of all sizes, the smallest a quarter of a transport length: a small cell \
+of the whole picture is off by no more than the chance of those paths, whatever the grains, the lights and the snow: `learnt_relative_error` of `--json-stats` tells it. What a place brings is told from cells of all sizes, the smallest a quarter of a transport length: a small cell \
 is taken to bring what the wider one around it does, and the more of its own, the more paths of its own it has, beside what cells of its size differ by beyond chance. \
 `.exr` pictures have two channels of it, `Learnt.light`, how much of the radiance was learnt (mean of the channels), and `Learnt.error`, the standard error of that which \
 this estimate gives, cells and chance together. The samples of a pixel share cells, so more of them do not make it less; more \
@@ -138,9 +137,9 @@ this estimate gives, cells and chance together. The samples of a pixel share cel
 
 | `lod_error` | grains | depth, transport lengths | learning paths |
 |---:|---:|---:|---:|
-| .01 | 4 | .5 | 1 048 576 |
-| .003 | 8 | 1 | 2 097 152 |
-| .001 | 16 | 2 | 4 194 304 |
+| .01 | 4 | .25 | 524 288 |
+| .003 | 4 | .5 | 1 048 576 |
+| .001 | 8 | 1 | 2 097 152 |
 ";
 
 const ERRORS: &str = "Blocks of snow 5 cm deep and 12 cm wide on grey ground, r = .5 mm, seen from the side, 64 x 64 pixels. *Mean* is the \

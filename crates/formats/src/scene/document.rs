@@ -335,7 +335,7 @@ pub struct IntegratorTable {
     /// How far from open air and surfaces it must then be, in transport lengths (11.6 mm for grains of .5 mm
     /// at 275 kg/m^3); default 0.5 (1 and 2).
     pub deep_depth: Option<f64>,
-    /// Paths by which it is learnt; default 1048576 (2097152 and 4194304).
+    /// Paths by which it is learnt; default 524288 (1048576 and 2097152).
     pub learning_paths: Option<u64>,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.

@@ -53,9 +53,9 @@ pub struct DeepSettings {
 
 impl DeepSettings {
     /// Of the errors that settings are known for: how many grains and how deep, and times the paths of the
-    /// default (`cargo xtask deep` measures what is left).
+    /// default (`cargo xtask deep` measures what is left, a third of that or less).
     const BY_ERROR: [(f64, u32, f64, u64); 3] =
-        [(0.01, 4, 0.5, 1), (0.003, 8, 1.0, 2), (0.001, 16, 2.0, 4)];
+        [(0.01, 4, 0.25, 1), (0.003, 4, 0.5, 2), (0.001, 8, 1.0, 4)];
 
     /// Least error that settings are known for.
     pub const LEAST_ERROR: f64 = Self::BY_ERROR[2].0;
@@ -66,7 +66,7 @@ impl DeepSettings {
     pub fn for_error(error: f64) -> Option<Self> {
         let fits = Self::BY_ERROR.into_iter().find(|&(known, ..)| known <= error)?;
         let (_, after_grains, depth, times) = fits;
-        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times << 20 })
+        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times << 19 })
     }
 }
 
