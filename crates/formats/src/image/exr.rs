@@ -78,13 +78,19 @@ fn encode(picture: &Picture) -> exr::error::Result<Vec<u8>> {
             channel(&format!("ShadowCatcher.{}.{component}", layer.name), values)
         })
     });
-    let learnt: [(&str, fn(&LearntLight) -> f64); 2] =
-        [("Learnt.light", |learnt| learnt.light), ("Learnt.error", |learnt| learnt.error)];
-    let learnt = learnt.into_iter().filter(|_| !picture.learnt.is_empty()).map(|(name, value)| {
+    let learnt = |name: &str, value: fn(&LearntLight) -> f64| {
         let values: Vec<f32> = picture.learnt.iter().map(|of| value(of) as f32).collect();
-        channel(name, &values)
-    });
-    let channels = layers.chain(spectral).chain(light).chain(shadows).chain(learnt).collect();
+        (!values.is_empty()).then(|| channel(name, &values))
+    };
+    let learnt_light = learnt("Learnt.light", |of| of.light);
+    let learnt_error = learnt("Learnt.error", |of| of.error);
+    let channels = layers
+        .chain(spectral)
+        .chain(light)
+        .chain(shadows)
+        .chain(learnt_light)
+        .chain(learnt_error)
+        .collect();
     let position = Vec2(window.x0.cast_signed(), window.y0.cast_signed());
     let mut attributes = LayerAttributes { layer_position: position, ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("Snowgrain ", env!("CARGO_PKG_VERSION"))));
@@ -362,6 +368,21 @@ mod tests {
     /// A file of two blocks that tests damage, made once.
     static ENCODED: LazyLock<Vec<u8>> =
         LazyLock::new(|| encode(&picture_of(PixelRect::new(3, 2, 4, 20))).unwrap());
+
+    /// Channels of learnt light are there where it is known, and do not hinder a reader.
+    #[test]
+    fn what_was_learnt_has_channels_of_its_own() {
+        let has =
+            |bytes: &[u8], name: &str| bytes.windows(name.len()).any(|at| at == name.as_bytes());
+        let mut picture = picture();
+        assert!(!has(&encode(&picture).unwrap(), "Learnt."));
+        picture.learnt =
+            vec![LearntLight { light: 0.5, error: 1e-3 }; picture.window().area() as usize];
+        let bytes = encode(&picture).unwrap();
+        assert!(has(&bytes, "Learnt.light") && has(&bytes, "Learnt.error"));
+        picture.learnt.clear();
+        assert_eq!(decode(&bytes).unwrap(), picture);
+    }
 
     fn picture() -> Picture {
         picture_of(PixelRect::new(3, 2, 13, 42))
