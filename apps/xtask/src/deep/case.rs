@@ -24,6 +24,14 @@ impl Light {
         }
     }
 
+    /// From which depth on light ends, transport lengths.
+    pub(super) fn depth(self, handover: Handover) -> f64 {
+        match self {
+            Self::Overcast => handover.depth,
+            Self::SunAndSky => handover.depth.max(0.5),
+        }
+    }
+
     fn tables(self) -> &'static str {
         match self {
             Self::Overcast => "[[light]]\nkind = \"overcast\"\n",

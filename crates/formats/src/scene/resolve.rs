@@ -139,7 +139,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Compact => Packing::Compact,
     });
     let light_finding = lights::finding(&checks, &lights)?;
-    let deep = deep::deep(&checks)?;
+    let deep = deep::deep(&checks, light_finding != LightFinding::Exact)?;
     let scene = SceneDescription {
         film,
         camera,

@@ -9,8 +9,12 @@ use snowgrain_render::transport::medium::ProxyStart;
 /// Error that is allowed where none is told.
 const DEFAULT_ERROR: f64 = 0.01;
 
-/// What becomes of light deep in the snow; `None` where it is followed to its end.
-pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneError> {
+/// What becomes of light deep in the snow; `None` where it is followed to its end. Where small lights are looked for it ends
+/// farther down.
+pub(super) fn deep(
+    checks: &Checks<'_>,
+    has_small_lights: bool,
+) -> Result<Option<DeepSettings>, SceneError> {
     let table = &checks.document().integrator;
     if table.deep == DeepName::Exact {
         let given = [
@@ -32,6 +36,9 @@ pub(super) fn deep(checks: &Checks<'_>) -> Result<Option<DeepSettings>, SceneErr
         let mend = format!("must be from {} to 1", DeepSettings::LEAST_ERROR);
         checks.bad("integrator.lod_error", mend)
     })?;
+    if has_small_lights {
+        settings.depth = settings.depth.max(DeepSettings::LEAST_DEPTH_OF_SMALL_LIGHTS);
+    }
     settings.depth = depth(checks)?.unwrap_or(settings.depth);
     settings.after_grains = table.deep_after_grains.unwrap_or(settings.after_grains);
     settings.learning_paths = table.learning_paths.unwrap_or(settings.learning_paths);
