@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<u8, Failure> {
     let pool = pool(&arguments.machine)?;
     let level = arguments.machine.simd.unwrap_or_else(SimdLevel::detect);
     progress.detail(&format!("{} threads, {level}", pool.current_num_threads()));
-    let learnt = learnt_folder(arguments)?;
+    let learnt = learnt_folder(arguments, &loaded)?;
     let (scene, times) = build(&loaded, &pool, (level, learnt), &progress)?;
     let packing = description.packing.unwrap_or_default();
     refuse_camera_in_ice(&scene, &loaded)?;
@@ -243,8 +243,15 @@ fn estimate(
 }
 
 /// The folder where learnt light is kept, which is made where it is not there.
-fn learnt_folder(arguments: &RenderArguments) -> Result<Option<&Path>, Failure> {
+fn learnt_folder<'a>(
+    arguments: &'a RenderArguments,
+    loaded: &LoadedScene,
+) -> Result<Option<&'a Path>, Failure> {
     let Some(folder) = &arguments.learnt_cache else { return Ok(None) };
+    if loaded.description.deep.is_none() {
+        let what = "--learnt-cache is for light that is learnt; add --lod-error 0.01";
+        return Err(Failure::usage(what));
+    }
     std::fs::create_dir_all(folder).map_err(|error| {
         let what = format!("--learnt-cache {}: {error}; name a folder", folder.display());
         Failure::new(exit::CANNOT_CREATE, what)

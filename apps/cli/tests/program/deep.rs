@@ -94,4 +94,8 @@ fn a_store_that_is_no_folder_is_refused() {
     assert_eq!(ended.code, Some(73), "{}", ended.stderr);
     assert!(ended.stderr.contains("--learnt-cache learnt"), "{}", ended.stderr);
     assert!(!place.path("p.film").exists());
+    let exact = ["render", "scene.toml", "--set", "integrator={}", "-o", "p.film"];
+    let ended = place.run(&[&exact[..], &["--learnt-cache", "folder"]].concat());
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert!(ended.stderr.contains("add --lod-error"), "{}", ended.stderr);
 }
