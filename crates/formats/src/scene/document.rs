@@ -329,11 +329,11 @@ pub struct IntegratorTable {
     /// Part by which learnt light may be wrong on average over a block of 16 x 16 pixels, from 0.001: it chooses the
     /// following three; default 0.01.
     pub lod_error: Option<f64>,
-    /// Grains that a path meets exactly before it may end, of spheres of ice (of others as many as turn light as much); default 4 (8 and
-    /// 16 for errors of .003 and .001).
+    /// Grains that a path meets exactly before it may end, of spheres of ice (of others as many as turn light as much); default 4 (4 and
+    /// 8 for errors of .003 and .001).
     pub deep_after_grains: Option<u32>,
     /// How far from open air and surfaces it must then be, in transport lengths (11.6 mm for grains of .5 mm
-    /// at 275 kg/m^3); default 0.5 (1 and 2).
+    /// at 275 kg/m^3); default 0.25 (0.5 and 1), at least 0.5 where small lights are looked for.
     pub deep_depth: Option<f64>,
     /// Paths by which it is learnt; default 524288 (1048576 and 2097152).
     pub learning_paths: Option<u64>,
