@@ -17,7 +17,7 @@ mod visit;
 
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
-pub use probe::{Passage, Probe, ProbeAnswer, Probes};
+pub use probe::{MetGrain, Passage, Probe, ProbeAnswer, Probes};
 pub use shapes::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 pub use visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival};
 

@@ -62,11 +62,24 @@ pub enum ProbeAnswer {
     Met {
         /// How far away, quanta.
         distance: f32,
-        /// Centre of the grain: a cell near it, and its place relative to that cell.
-        center: GridPosition,
-        /// Its radius, quanta.
-        radius: f32,
+        /// Which.
+        grain: MetGrain,
     },
+}
+
+/// A grain that a probe met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetGrain {
+    /// Its centre: a cell near it, and its place relative to that cell.
+    pub center: GridPosition,
+    /// Its radius, quanta; of the sphere of equal volume, where it has a shape.
+    pub radius: f32,
+    /// Its stratum.
+    pub stratum: u8,
+    /// Whether other grains overlap it.
+    pub overlaps: bool,
+    /// Whether a surface crosses it.
+    pub meets_surface: bool,
 }
 
 /// What a straight ray met on its way through grains.

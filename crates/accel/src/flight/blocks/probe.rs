@@ -7,8 +7,8 @@ use super::BlockFlight;
 use super::paths::{GROUP, get, set};
 use super::test::test_group;
 use super::update::{ProbedSets, probe_group};
-use crate::flight::{FlightEvent, LANES, Probe, ProbeAnswer};
-use crate::grain_grid::{GridPosition, RADIUS_MASK};
+use crate::flight::{FlightEvent, LANES, MetGrain, Probe, ProbeAnswer};
+use crate::grain_grid::{GridPosition, MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use crate::{GrainGrid, SimdLevel, Surfaces};
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -99,18 +99,24 @@ fn run<S: Simd>(simd: S, flight: &mut BlockFlight<'_>, answers: &mut Vec<(usize,
     while answers.is_empty() && flight.groups[..groups].iter().any(|g| g.flying() != 0) {
         for index in 0..groups {
             let group = &mut flight.groups[index];
-            test_group(simd, (flight.grid.blocks(), &[]), group);
+            test_group(simd, (flight.grid.blocks(), flight.grid.strata()), group);
             let ProbedSets { met, covered, ended, beyond } =
                 probe_group(simd, &flight.shape, group);
             for at in lanes_of(met) {
                 let (group, lane) = (&flight.groups[index], index * GROUP + at);
-                let center = GridPosition {
-                    cell: get(&group.cell, at),
-                    local: get(&group.found_grain, at).map(f32::from),
+                let bits = group.found_radius[at];
+                let grain = MetGrain {
+                    center: GridPosition {
+                        cell: get(&group.cell, at),
+                        local: get(&group.found_grain, at).map(f32::from),
+                    },
+                    radius: f32::from(bits & RADIUS_MASK),
+                    stratum: group.found_stratum[at],
+                    overlaps: bits & OVERLAPS != 0,
+                    meets_surface: bits & MEETS_SURFACE != 0,
                 };
                 let distance = group.air_length[at] + group.found[at];
-                let radius = f32::from(group.found_radius[at] & RADIUS_MASK);
-                answers.push((lane, ProbeAnswer::Met { distance, center, radius }));
+                answers.push((lane, ProbeAnswer::Met { distance, grain }));
             }
             let told = |set: u32, answer| lanes_of(set).map(move |at| (index * GROUP + at, answer));
             answers.extend(told(covered, ProbeAnswer::Covered));
@@ -221,16 +227,19 @@ mod tests {
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-3;
                 match (answer, nearest) {
                     (ProbeAnswer::Covered, None) => counts[0] += 1,
-                    (ProbeAnswer::Met { distance, center, radius }, Some(nearest)) => {
+                    (ProbeAnswer::Met { distance, grain }, Some(nearest)) => {
                         counts[1] += 1;
                         let distance = f64::from(distance) * quantum;
                         assert!(near(distance, nearest), "{index}: {distance} {nearest}");
-                        let center = grid.world(center);
-                        let known = grains.iter().any(|grain| {
-                            (grain.center - center).length() < 1e-6
-                                && near(grain.radius, f64::from(radius) * quantum)
-                        });
-                        assert!(known, "{index}: {center}");
+                        let (center, radius) = (grid.world(grain.center), f64::from(grain.radius));
+                        let other = |other: &&Grain| (other.center - center).length() >= 1e-6;
+                        let met = grains.iter().find(|grain| !other(grain)).unwrap();
+                        assert!(near(met.radius, radius * quantum), "{index}: {center}");
+                        let touches = |other: &Grain| {
+                            (other.center - center).length() < other.radius + met.radius
+                        };
+                        let overlaps = grains.iter().filter(other).any(touches);
+                        assert_eq!(grain.overlaps, overlaps, "{index}: {center}");
                     }
                     (ProbeAnswer::Clear, Some(nearest)) => {
                         counts[2] += 1;

@@ -3,7 +3,7 @@
 use super::ShapeFlight;
 use super::chain::{Straight, straight};
 use super::lane::{Entry, Inside, Lane, Phase};
-use crate::flight::{Passage, Probe, ProbeAnswer};
+use crate::flight::{MetGrain, Passage, Probe, ProbeAnswer};
 use crate::grain_grid::{GridPosition, GridShapes};
 use crate::{GrainGrid, STRATA, SimdLevel, Surfaces};
 use fearless_simd::{Level, Simd, dispatch};
@@ -93,8 +93,13 @@ impl ShapeFlight<'_> {
         let local = (inside.body.center - lane.offset).to_array().map(|x| x as f32);
         ProbeAnswer::Met {
             distance: inside.leave as f32,
-            center: GridPosition { cell: lane.cell, local },
-            radius: inside.placement.radius as f32,
+            grain: MetGrain {
+                center: GridPosition { cell: lane.cell, local },
+                radius: inside.placement.radius as f32,
+                stratum: inside.stratum,
+                overlaps: inside.overlaps,
+                meets_surface: inside.meets_surface,
+            },
         }
     }
 

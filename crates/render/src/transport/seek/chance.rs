@@ -28,8 +28,6 @@ enum Chance<'a> {
     Nothing,
     /// Its light as these lights have it.
     All(&'a Lights),
-    /// What the search for images of suns in the second grain leaves, which was passed by so many chords.
-    BesidePairs(u32),
     /// The part that the balance heuristic leaves beside the search among these lights from this point,
     /// where chance has this density (1/sr).
     Beside(&'a Lights, DVec3, f64),
@@ -77,14 +75,6 @@ impl Seeker<'_> {
         let (lights, part) = match chance {
             Chance::Nothing => return,
             Chance::All(lights) => (lights, 1.0),
-            Chance::BesidePairs(_)
-                if search.lights.radiance_at_infinity(light, direction) == [0.0; 3] =>
-            {
-                return;
-            }
-            Chance::BesidePairs(order) => {
-                (&search.lights, self.left_to_chance(trail, order, light))
-            }
             Chance::Beside(sought, from, density) => {
                 let pdf = match met {
                     Met::Infinity(_) => sought.pdf_at_infinity(light, direction),
@@ -130,13 +120,15 @@ impl Seeker<'_> {
             (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {
                 let first = order == 1 && trail.vertex == Vertex::Camera;
                 let shaped = trail.turned.is_some_and(|turned| turned.prototype.is_some());
-                match solved_by(trail, (path, order)) {
-                    Some(_) if order == 1 => Chance::Nothing,
-                    Some(chords) => Chance::BesidePairs(chords),
+                if is_solved(trail, (path, order)) {
+                    Chance::Nothing
+                } else if first && shaped {
                     // Chance finds what a face mirrors as often as it finds the face.
-                    None if first && shaped => Chance::All(&search.lights),
-                    None if is_in_spheres(trail, order) => Chance::All(&search.wide_in_air),
-                    None => Chance::All(&search.wide),
+                    Chance::All(&search.lights)
+                } else if is_in_spheres(trail, order) {
+                    Chance::All(&search.wide_in_air)
+                } else {
+                    Chance::All(&search.wide)
                 }
             }
             (_, _, None) => Chance::All(&search.lights),
@@ -157,17 +149,18 @@ fn is_in_spheres(trail: &Trail, order: u32) -> bool {
     is_known && trail.vertex == Vertex::Camera && !trail.through_ice
 }
 
-/// By how many chords a path left the first grain, or the second, where that way is solved.
-fn solved_by(trail: &Trail, (path, order): (&PathResult, u32)) -> Option<u32> {
+/// Whether the way by which a path left the first grain, or the second, is solved.
+fn is_solved(trail: &Trail, (path, order): (&PathResult, u32)) -> bool {
     if trail.vertex != Vertex::Camera || trail.through_ice {
-        return None;
+        return false;
     }
     // A reflection outside is one interface, p chords are p + 1; a grain that lets light straight through has two.
     let straight = 2 * path.grain_visits.saturating_sub(trail.visits_before + order);
-    let (before, most) = match (order, &trail.second_grain) {
-        (1, _) => (0, trail.solved_orders?),
-        (_, second) => second.map(|second| (second.chords_before + 1, second.most))?,
+    let known = match (order, &trail.second_grain) {
+        (1, _) => trail.solved_orders.map(|most| (0, most)),
+        (_, second) => second.map(|second| (second.chords_before + 1, second.most)),
     };
-    let chords = path.interface_events.saturating_sub(before + straight + 1);
-    (chords <= most).then_some(chords)
+    known.is_some_and(|(before, most)| {
+        path.interface_events.saturating_sub(before + straight + 1) <= most
+    })
 }

@@ -58,6 +58,7 @@ impl Seeker<'_> {
         };
         let edge = self.window_edge(grain.center, grain.radius);
         trail.first_grain = Some(FirstGrain::new(visit));
+        self.behind_reflection(visit, &view, state);
         let key = search_key(state.key);
         let [x, y, chosen] = numbers(key, 2 * visit.event).map(f64::from);
         if chosen * PATHS_PER_SEARCH >= 1.0 {
@@ -193,9 +194,10 @@ impl Seeker<'_> {
         let surfaces = &self.world.surfaces;
         let quantum = grid.quantum();
         self.probes.follow(&rays, |ray, answer| {
-            let ProbeAnswer::Met { distance, center, .. } = answer else { return };
+            let ProbeAnswer::Met { distance, grain: found } = answer else { return };
             let (index, ray, t) = of_ray[ray];
-            let is_it = (grid.world(center) - grain.center).length_squared() < quantum * quantum;
+            let is_it =
+                (grid.world(found.center) - grain.center).length_squared() < quantum * quantum;
             let reach = t + f64::from(distance) * quantum;
             met[index] =
                 is_it && (surfaces.is_empty() || surfaces.intersect(&ray, reach, None).is_none());

@@ -10,7 +10,7 @@
 //! - the first grain that the camera sees is solved exactly, its ways to the sun in closed form and
 //!   its visibility among the real grains (`first_grain`), or, where it is a crystal, by all that it makes of the
 //!   ray (`first_shape`);
-//! - so is the second, by Newton's steps through both (`second_grain`);
+//! - so is the second, by Newton's steps through both (`second_grain`, `reflected`);
 //! - where that is not known (crystals in one of the two, ways from grain to grain through ice, many reflections
 //!   inside), and at the first two grains after a surface, the sun is met by chance, but it is [`WIDENED_DEGREES`]
 //!   wide ([`WIDENED_IN_AIR_DEGREES`] after many reflections in spheres), which moves an image of it by less than a
@@ -26,6 +26,7 @@ mod first_grain;
 mod first_shape;
 mod gains;
 mod grains;
+mod reflected;
 mod second_grain;
 mod shadow;
 mod surfaces;

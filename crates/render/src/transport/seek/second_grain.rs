@@ -21,14 +21,17 @@
 //! Georgiev and Jakob 2020, section 4.2), or until k do, over k. To divide by E_p s where the path began instead would
 //! let the few that find a place from afar weigh most.
 //!
-//! Where an image of the sun is large (near caustics J vanishes), paths meet it by chance more often than the search
-//! finds it. Both share its light by the balance heuristic, with the number of either that would be found at x: g J
-//! by area of the image for the search, less what it leaves out, and the part of the light that takes the way
-//! through B for chance ([`PairSearch::share`]).
+//! Where an image of the sun is large (near caustics J vanishes), more paths begin in it than find it from elsewhere.
+//! So each path that came to B is asked besides, for every q, whether its own ray leaves into the sun; that brings
+//! f L. Both share the light by the balance heuristic, with the number of either that would be found at x: g J by area
+//! of the image for the search, less what it leaves out, and 1 for the ray itself ([`PairSearch::share`]). No
+//! such light is left to be met by chance. Where the first grain reflects, other paths than those that it does look
+//! for images ([`super::reflected`]).
 //!
 //! Nothing is known of ways in which grains overlap inside, so the orders are limited as at the first
 //! grain; by what ways light comes else it is met by chance ([`super::chance`]): each is either here or there.
 
+use super::reflected::PATHS_PER_LOOK;
 use super::shadow::{Brings, Condition, Wanted};
 use super::window::Window;
 use super::{
@@ -42,17 +45,21 @@ use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
 use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
 
-/// One path in so many looks, for all, for images of suns by so many chords of the second grain, where a window covers
-/// little of the first grain and where it covers as much as it may: most of the light comes by one chord, the brightest
-/// images by two, near the rainbow. Small windows hold few images, which are bright then; of the many in large ones
-/// it is one chord that makes the noise, and searches take longer, and succeed more often.
-const PATHS_PER_SEARCH: [[f64; 2]; SOLVED_ORDERS as usize + 1] =
-    [[4.0, 16.0], [1.0, 4.0], [1.0, 32.0], [8.0, 128.0]];
+/// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light comes
+/// by one chord, the brightest images by none, of what the first grain gathers.
+const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [1.0, 2.0, 4.0, 16.0];
+/// What a dimmer image is found to bring, of white ground across the sun's light, where it is kept: one in so many as it
+/// is dimmer. To look often and to keep what is bright costs no more than to look seldom, as it is the random places
+/// and rays of what is kept that take the time.
+const KEPT_BRIGHTNESS: f64 = 0.25;
+/// Part that is kept of the dimmest.
+const LEAST_KEPT: f64 = 1.0 / 64.0;
 /// What tells the random numbers of such a search, and of its trials, from others.
 const PAIR: u32 = 0x2b0d_1e55;
 const TRIAL: u32 = 0x5ec0_7214;
-/// Random event of the place on a sun; those before are of the searches.
+/// Random events of the place on a sun and of whether what is found is kept; those before are of the searches.
 const SUN: u32 = SOLVED_ORDERS + 1;
+const KEPT: u32 = SUN + 1;
 /// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians, as a rule: by
 /// chords of the second.
 const TURNED: [f64; SOLVED_ORDERS as usize + 1] = [7.0, 7.0, 4.0, 7.0];
@@ -65,7 +72,7 @@ const LEAST_PROBABILITY: f64 = 1.0 / 64.0;
 /// Random places of a window that must lead to a solution: one of k adds 1/k to the variance, so k grows with the
 /// brightness of an image, from one at this brightness in one search (that of white ground across the sun's
 /// light is 1) to the most.
-const BRIGHTNESS_PER_SUCCESS: f64 = 0.1;
+const BRIGHTNESS_PER_SUCCESS: f64 = 0.2;
 const MOST_SUCCESSES: f64 = 8.0;
 /// P as it is taken to be where a search and chance share light; how well it fits shows in the noise only.
 const TYPICAL_PART: f64 = 0.25;
@@ -77,11 +84,11 @@ const SAME: f64 = 1e-5;
 /// The first grain that a path met, a sphere of which some orders are solved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FirstGrain {
-    center: GridPosition,
-    radius: f32,
+    pub(super) center: GridPosition,
+    pub(super) radius: f32,
     stratum: u8,
     /// Random event of the path before it.
-    event: u32,
+    pub(super) event: u32,
     /// Orders up to which it is solved.
     most: u32,
 }
@@ -89,8 +96,6 @@ pub(super) struct FirstGrain {
 /// The second one, after the first had been passed by a way that can be solved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecondGrain {
-    center: GridPosition,
-    radius: f32,
     /// Chords in the first grain.
     pub(super) chords_before: u32,
     /// Orders up to which it is solved.
@@ -99,9 +104,9 @@ pub(super) struct SecondGrain {
 
 /// The rays of a place of the lens, and two grains that they pass by some orders.
 #[derive(Clone, Copy)]
-struct PairSearch {
-    pencil: Pencil,
-    pair: SpherePair,
+pub(super) struct PairSearch {
+    pub(super) pencil: Pencil,
+    pub(super) pair: SpherePair,
     /// Edge of a window, pixels and radii of the first grain.
     edge: f64,
     edge_radii: f64,
@@ -153,16 +158,14 @@ impl PairSearch {
     }
 
     /// The same by so many chords of the second grain.
-    fn by_chords(mut self, order: u32) -> Self {
+    pub(super) fn by_chords(mut self, order: u32) -> Self {
         self.pair.visits[1].order = order;
         self
     }
 
     /// One path in so many looks for it.
     fn paths(&self) -> f64 {
-        let [least, most] = PATHS_PER_SEARCH[self.pair.visits[1].order as usize];
-        let covers = self.edge_radii * self.edge_radii / (WINDOW * WINDOW);
-        least + (most - least) * covers * covers
+        PATHS_PER_SEARCH[self.pair.visits[1].order as usize]
     }
 
     /// Part of these paths that look for a sun in this direction where their rays pass so: fewer where no image of it
@@ -175,13 +178,43 @@ impl PairSearch {
         (near * near).max(LEAST_PROBABILITY)
     }
 
-    /// Part that a search for a sun of this solid angle (sr) has of the light by this way, beside chance.
-    fn share(&self, path: &PairPath, sun: f64) -> f64 {
-        let per_path = self.edge * self.edge * TYPICAL_PART / self.paths();
-        let (energy, _) = self.pair.part(1, &path.passed[1]);
-        let found = path.solid_angle() / sun * per_path;
-        found / (found + energy)
+    /// Probability with which a path that meets the first grain comes to look for images behind it.
+    fn comes(&self, first: &Passed) -> f64 {
+        match self.pair.visits[0].order {
+            0 => 1.0 / PATHS_PER_LOOK,
+            _ => self.pair.part(0, first).0,
+        }
     }
+
+    /// Part of the images such as this one that are kept.
+    fn kept(&self, path: &PairPath) -> f64 {
+        let [energy_near, energy_far] =
+            [0, 1].map(|sphere: usize| self.pair.part(sphere, &path.passed[sphere]).0);
+        let energy = energy_near * energy_far / self.comes(&path.passed[0]);
+        let by_area = path.solid_angle() * self.edge * self.edge * TYPICAL_PART;
+        let brightness = PI * energy * self.paths() / by_area;
+        (brightness / KEPT_BRIGHTNESS).clamp(LEAST_KEPT, 1.0)
+    }
+
+    /// Part that a search for a sun of this solid angle (sr) has of the light by this way, beside rays that have it
+    /// themselves.
+    fn share(&self, path: &PairPath, sun: f64) -> f64 {
+        let per_path = self.edge * self.edge * TYPICAL_PART * self.kept(path) / self.paths();
+        let found = path.solid_angle() / sun * per_path * self.comes(&path.passed[0]);
+        let (itself, _) = self.pair.part(0, &path.passed[0]);
+        found / (found + itself)
+    }
+}
+
+/// Lengths in the ice of two grains by the strata that these are of.
+fn in_strata(lengths: [(u8, f64); 2]) -> [f64; STRATA] {
+    let mut ice_in_strata = [0.0; STRATA];
+    for (stratum, length) in lengths {
+        if let Some(stratum) = usize::from(stratum).checked_sub(1) {
+            ice_in_strata[stratum] += length;
+        }
+    }
+    ice_in_strata
 }
 
 /// Orders of a sphere that are solved.
@@ -204,44 +237,64 @@ impl Seeker<'_> {
             return;
         }
         let &GrainVisit { center, radius, .. } = visit;
-        let second = SecondGrain { center, radius, chords_before, most: solved_orders(visit) };
-        trail.second_grain = Some(second);
-        let key = search_key(state.key);
-        let key = PathKey { lo: key.lo ^ PAIR, ..key };
-        let search = self.pair_search(&view, (&first, &second));
+        let most = solved_orders(visit);
+        trail.second_grain = Some(SecondGrain { chords_before, most });
+        let search = self.pair_search(&view, (&first, chords_before), (center, radius));
         let Some(between) = search.pair.pass_first(&search.pencil, view.image) else { return };
-        for order in 0..=second.most {
+        for order in 0..=most {
             let search = search.by_chords(order);
-            let [x, y, chosen] = numbers(key, order).map(f64::from);
-            let chosen = chosen * search.paths();
-            if chosen >= 1.0 {
-                continue;
-            }
             let Some(began) = search.pair.pass_second(&between) else { continue };
-            let window = Window::around(view.image, search.edge, [x, y]);
-            for &sun in &self.search.suns {
-                if chosen >= search.probability(&began, sun.towards) {
-                    continue;
-                }
-                // Each light and order has random numbers of its own.
-                let salt = (sun.light as u32).wrapping_mul(SOLVED_ORDERS + 1) + order;
-                let key = PathKey { lo: key.lo.wrapping_add(salt), ..key };
-                let begins = Begins { image: view.image, window, sun, key };
-                self.towards_sun_by_pair((visit, &first), (&search, &begins), state);
+            self.along_own_ray((visit, &first), (&search, &view), began[1].direction, state);
+            if chords_before > 0 {
+                self.look_for_images((visit, &first), (&search, &view), &began, state);
             }
         }
     }
 
-    /// What is looked for, by no chord of the second grain.
-    fn pair_search(&self, view: &View, (first, second): (&FirstGrain, &SecondGrain)) -> PairSearch {
+    /// Looks for the images of all suns by one way through both grains, of which some paths do.
+    pub(super) fn look_for_images(
+        &mut self,
+        grains: (&GrainVisit, &FirstGrain),
+        (search, view): (&PairSearch, &View),
+        began: &[Passed; 2],
+        state: &PathState,
+    ) {
+        let order = search.pair.visits[1].order;
+        let key = search_key(state.key);
+        let key = PathKey { lo: key.lo ^ PAIR, ..key };
+        let [x, y, chosen] = numbers(key, order).map(f64::from);
+        let chosen = chosen * search.paths();
+        if chosen >= 1.0 {
+            return;
+        }
+        let window = Window::around(view.image, search.edge, [x, y]);
+        for &sun in &self.search.suns {
+            if chosen >= search.probability(began, sun.towards) {
+                continue;
+            }
+            // Each light and order has random numbers of its own.
+            let salt = (sun.light as u32).wrapping_mul(SOLVED_ORDERS + 1) + order;
+            let key = PathKey { lo: key.lo.wrapping_add(salt), ..key };
+            let begins = Begins { image: view.image, window, sun, key };
+            self.towards_sun_by_pair(grains, (search, &begins), state);
+        }
+    }
+
+    /// What is looked for in a first grain, passed by so many chords, and a second one, by none.
+    pub(super) fn pair_search(
+        &self,
+        view: &View,
+        (first, chords): (&FirstGrain, u32),
+        second: (GridPosition, f32),
+    ) -> PairSearch {
         let grid = &self.world.grid;
         let sphere = |center: GridPosition, radius: f32, order: u32| SphereVisit {
             center: grid.world(center),
             radius: f64::from(radius) * grid.quantum(),
             order,
         };
-        let near = sphere(first.center, first.radius, second.chords_before);
-        let far = sphere(second.center, second.radius, 0);
+        let near = sphere(first.center, first.radius, chords);
+        let far = sphere(second.0, second.1, 0);
         let radius = near.radius / self.camera.pixel_footprint(self.camera.depth(near.center));
         let edge = self.window_edge(near.center, WINDOW * near.radius);
         PairSearch {
@@ -249,6 +302,40 @@ impl Seeker<'_> {
             pair: SpherePair { medium: self.search.medium, visits: [near, far] },
             edge,
             edge_radii: edge / radius,
+        }
+    }
+
+    /// Books the suns into which the ray of a path leaves by one way through both grains, as what is beside the search.
+    fn along_own_ray(
+        &mut self,
+        (visit, first): (&GrainVisit, &FirstGrain),
+        (search, view): (&PairSearch, &View),
+        direction: DVec3,
+        state: &PathState,
+    ) {
+        let lights = &self.search.lights;
+        for &Sun { light, .. } in &self.search.suns {
+            let radiance = lights.radiance_at_infinity(light, direction);
+            if radiance == [0.0; 3] {
+                continue;
+            }
+            let Some(path) = search.pair.follow(&search.pencil, view.image) else { continue };
+            let [(_, length_near), (energy, length_far)] =
+                [0, 1].map(|sphere: usize| search.pair.part(sphere, &path.passed[sphere]));
+            let part = energy * (1.0 - search.share(&path, lights.solid_angle(light)));
+            let brings = Brings::Light(Contribution {
+                slot: lights.slot_of(light),
+                glint: true,
+                event: visit.event,
+                weight: scaled(product(state.throughput, radiance), part),
+                ice_length: length_near + length_far,
+                ice_in_strata: in_strata([
+                    (first.stratum, length_near),
+                    (visit.stratum, length_far),
+                ]),
+            });
+            let exit = (path.passed[1].exit, visit.radius);
+            self.want(visit, exit, (direction, f64::INFINITY, None), brings, Condition::Nothing);
         }
     }
 
@@ -271,22 +358,20 @@ impl Seeker<'_> {
             [0, 1].map(|sphere: usize| search.pair.part(sphere, &path.passed[sphere]));
         let shared = energy_near * energy_far * search.share(&path, lights.solid_angle(light));
         let density = path.solid_angle() * search.edge * search.edge * sample.pdf;
-        let weight = shared * search.paths() / density;
+        let kept = search.kept(&path);
+        if f64::from(numbers(begins.key, KEPT)[0]) >= kept {
+            return;
+        }
+        let weight = shared * search.paths() / (kept * density);
         // White ground would send back 1/pi of the light of a sun of 1/pdf sr.
         let brightness = PI * weight * sample.pdf;
-        let mut ice_in_strata = [0.0; STRATA];
-        for (stratum, length) in [(first.stratum, length_near), (visit.stratum, length_far)] {
-            if let Some(stratum) = usize::from(stratum).checked_sub(1) {
-                ice_in_strata[stratum] += length;
-            }
-        }
         let brings = Brings::Light(Contribution {
             slot: sample.slot,
             glint: true,
             event: visit.event,
             weight: scaled(product(state.throughput, sample.radiance), weight),
             ice_length: length_near + length_far,
-            ice_in_strata,
+            ice_in_strata: in_strata([(first.stratum, length_near), (visit.stratum, length_far)]),
         });
         let solution = PairSolution {
             search: *search,
@@ -301,20 +386,6 @@ impl Seeker<'_> {
         let towards = (sample.direction, sample.distance, None);
         let exit = (path.passed[1].exit, visit.radius);
         self.want(visit, exit, towards, brings, Condition::Connects(Box::new(solution)));
-    }
-
-    /// Part of a sun's light by way of two grains that is left to a path that met it by chance after it had passed
-    /// the second by so many chords.
-    pub(super) fn left_to_chance(&self, trail: &Trail, order: u32, light: usize) -> f64 {
-        let (Some(view), Some(first), Some(second)) =
-            (&trail.view, &trail.first_grain, &trail.second_grain)
-        else {
-            return 1.0;
-        };
-        let search = self.pair_search(view, (first, second)).by_chords(order);
-        let path = search.pair.follow(&search.pencil, view.image);
-        // A ray that in single precision only just meets a grain is found by chance alone.
-        path.map_or(1.0, |path| 1.0 - search.share(&path, self.search.lights.solid_angle(light)))
     }
 
     /// Sets the weights of those to 0 whose way through two grains is not open, and divides the others by the
@@ -386,9 +457,9 @@ impl Seeker<'_> {
         }
         let surfaces = &self.world.surfaces;
         self.probes.follow(&probes, |probe, answer| {
-            let ProbeAnswer::Met { distance, center, .. } = answer else { return };
+            let ProbeAnswer::Met { distance, grain: found } = answer else { return };
             let (index, wanted, ray, t) = of_probe[probe];
-            let is_it = (grid.world(center) - wanted).length_squared() < quantum * quantum;
+            let is_it = (grid.world(found.center) - wanted).length_squared() < quantum * quantum;
             let reach = t + f64::from(distance) * quantum;
             if is_it && (surfaces.is_empty() || surfaces.intersect(&ray, reach, None).is_none()) {
                 met[index] += 1;
@@ -408,12 +479,12 @@ impl Trials<'_> {
             self.count += 1;
             let start = window.at([x, y]);
             let Some(between) = search.pair.pass_first(&search.pencil, start) else { continue };
-            let (energy, _) = search.pair.part(0, &between.passed);
-            if chosen >= energy {
+            let comes = search.comes(&between.passed);
+            if chosen >= comes {
                 continue;
             }
             let Some(began) = search.pair.pass_second(&between) else { continue };
-            if chosen >= energy * search.probability(&began, *towards) {
+            if chosen >= comes * search.probability(&began, *towards) {
                 continue;
             }
             let is_it = search.solve(start, *sun).is_some_and(|found| {
