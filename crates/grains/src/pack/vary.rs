@@ -37,8 +37,9 @@ impl PeriodicPack {
     #[must_use]
     pub fn variants(&self, seed: u64) -> Vec<Vec<QuantisedGrain>> {
         let grains = self.field.grains();
+        let depth = self.frame();
         let (frame, inner): (Vec<_>, Vec<_>) =
-            grains.iter().partition(|grain| !self.is_inner(grain.center.map(i64::from)));
+            grains.iter().partition(|grain| !self.is_below(depth, grain.center.map(i64::from)));
         let mut variants = vec![[frame.as_slice(), inner.as_slice()].concat()];
         if !matches!(self.method, PackMethod::Fallen(_)) {
             return variants;
@@ -54,7 +55,7 @@ impl PeriodicPack {
                     (i64::from(grain.center[axis]) + way[axis]).rem_euclid(self.period[axis])
                 });
                 let grain = QuantisedGrain { center: at.map(|c| c as i32), ..*grain };
-                self.is_inner(at).then_some(grain)
+                self.is_below(depth, at).then_some(grain)
             });
             variants.push(self.joined(&frame, moved.collect()));
         }
@@ -65,9 +66,9 @@ impl PeriodicPack {
         (FRAME * f64::from(self.field.largest_radius_quanta())).ceil() as i64
     }
 
-    fn is_inner(&self, center: [i64; 3]) -> bool {
-        let frame = self.frame();
-        (0..3).all(|axis| (frame..self.period[axis] - frame).contains(&center[axis]))
+    /// Whether a place lies farther than a depth from all faces.
+    fn is_below(&self, depth: i64, center: [i64; 3]) -> bool {
+        (0..3).all(|axis| (depth..self.period[axis] - depth).contains(&center[axis]))
     }
 
     /// A frame and what lies in it, pushed apart.
@@ -96,11 +97,7 @@ impl PeriodicPack {
         // The few that were pushed into the frame would differ there between the variants.
         let frame_of_all = self.frame() / 2 + 2;
         let stays = |(grain, crowded): &(&QuantisedGrain, bool)| {
-            !crowded
-                && (0..3).all(|axis| {
-                    let at = i64::from(grain.center[axis]);
-                    (frame_of_all..self.period[axis] - frame_of_all).contains(&at)
-                })
+            !crowded && self.is_below(frame_of_all, grain.center.map(i64::from))
         };
         let placed = all().zip(&spheres.centers).map(placed).collect::<Vec<_>>();
         let (outer, inner) = placed.split_at(frame.len());
