@@ -30,7 +30,7 @@ const TRIALS: usize = 8;
 const TRIAL: u32 = 0x7214_15ee;
 /// One path in so many looks for the images of suns, for all: they hardly vary, and take as long to find as
 /// several grains to cross.
-const PATHS_PER_SEARCH: f64 = 4.0;
+const PATHS_PER_SEARCH: f64 = 16.0;
 /// Least edge of a window, pixels.
 const LEAST_WINDOW: f64 = 1.0 / 64.0;
 

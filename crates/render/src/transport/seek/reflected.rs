@@ -5,7 +5,7 @@
 //! meet a grain one in [`PATHS_PER_LOOK`] looks along the ray that the grain would reflect, and where that meets
 //! another one, for images in both, wherever the path itself goes on.
 
-use super::second_grain::{FirstGrain, solved_orders};
+use super::second_grain::{FirstGrain, PATHS_PER_LOOK, solved_orders};
 use super::{PathState, Seeker, View, search_key};
 use core::slice;
 use snowgrain_accel::{GrainVisit, MetGrain, Probe, ProbeAnswer};
@@ -13,8 +13,6 @@ use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
 use snowgrain_optics::Passed;
 
-/// One path in so many looks along the ray that its first grain would reflect.
-pub(super) const PATHS_PER_LOOK: f64 = 4.0;
 /// What tells the random number of such a look from others of a search.
 const LOOK: u32 = 0x3177_0b5e;
 

@@ -31,7 +31,6 @@
 //! Nothing is known of ways in which grains overlap inside, so the orders are limited as at the first
 //! grain; by what ways light comes else it is met by chance ([`super::chance`]): each is either here or there.
 
-use super::reflected::PATHS_PER_LOOK;
 use super::shadow::{Brings, Condition, Wanted};
 use super::window::Window;
 use super::{
@@ -48,6 +47,8 @@ use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
 /// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light comes
 /// by one chord, the brightest images by none, of what the first grain gathers.
 const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [1.0, 2.0, 4.0, 16.0];
+/// One path in so many looks along the ray that its first grain would reflect ([`super::reflected`]).
+pub(super) const PATHS_PER_LOOK: f64 = 4.0;
 /// What a dimmer image is found to bring, of white ground across the sun's light, where it is kept: one in so many as it
 /// is dimmer. To look often and to keep what is bright costs no more than to look seldom, as it is the random places
 /// and rays of what is kept that take the time.
@@ -60,9 +61,10 @@ const TRIAL: u32 = 0x5ec0_7214;
 /// Random events of the place on a sun and of whether what is found is kept; those before are of the searches.
 const SUN: u32 = SOLVED_ORDERS + 1;
 const KEPT: u32 = SUN + 1;
-/// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians, as a rule: by
-/// chords of the second.
-const TURNED: [f64; SOLVED_ORDERS as usize + 1] = [7.0, 7.0, 4.0, 7.0];
+/// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians: by chords of
+/// the second. As a rule it is three times as large, but what is looked for so far away is as seldom found: with
+/// that a sample takes a fifth longer and varies no less.
+const TURNED: [f64; SOLVED_ORDERS as usize + 1] = [2.1, 2.1, 1.2, 2.1];
 /// Edge of a window in radii of the first grain, where a pixel is not smaller: about as large as the part of the
 /// grain behind which the second one is seen.
 const WINDOW: f64 = 0.5;
