@@ -15,8 +15,8 @@ pub mod surfaces;
 mod words;
 
 pub use flight::{
-    ArrivalFrom, DeepAnswer, DeepWatch, Flight, FlightEvent, GrainVisit, MetGrain, Outgoing,
-    Passage, Probe, ProbeAnswer, Probes, ShapedArrival,
+    ArrivalFrom, DeepAnswer, DeepWatch, Flight, FlightEvent, GrainVisit, GrainsBefore, MetGrain,
+    Outgoing, Passage, Probe, ProbeAnswer, Probes, ShapedArrival,
 };
 pub use grain_grid::{
     Extent, GrainGrid, GrainParts, GridError, GridPosition, Interior, LatticeCell, Packing,

@@ -251,8 +251,8 @@ impl Scene {
             let Some(store) = store else { return learn() };
             let key = learnt_key(&hash, picture);
             let kept = (store.load)(&key).and_then(|bytes| {
-                let world = (&world, &*prototypes, &lights);
-                OutcomeField::from_bytes(world, &settings, (&key, &bytes), level)
+                let world = (&world, &*prototypes, &camera);
+                OutcomeField::from_bytes(world, &lights, &settings, (&key, &bytes), level)
             });
             kept.or_else(|| {
                 let learnt = learn()?;

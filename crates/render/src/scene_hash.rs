@@ -168,7 +168,8 @@ pub(crate) fn hash_scene(scene: &SceneDescription, grains: &GrainDigest) -> [u8;
     if let Some(deep) = scene.deep {
         hash.tag("deep");
         let DeepSettings { after_grains, depth, cell, learning_paths } = deep;
-        hash.words(&[after_grains, learning_paths as u32, (learning_paths >> 32) as u32]);
+        hash.words(&after_grains);
+        hash.words(&[learning_paths as u32, (learning_paths >> 32) as u32]);
         hash.doubles(&[depth, cell]);
     }
     hash_strata(&mut hash, &scene.strata, scene.snow.len());

@@ -2,12 +2,16 @@
 
 use super::measured::Film;
 use crate::program::Program;
-use anyhow::Result;
+use anyhow::{Context as _, Result};
+use snowgrain_render::transport::deep::DeepSettings;
 
 /// Radius of the grains, metres.
 const RADIUS: f64 = 0.5e-3;
 /// Pixels along each edge.
 const SIZE: u32 = 64;
+
+/// Samples of a pixel where speed is measured.
+const SPEED_SAMPLES: u32 = 1024;
 
 /// What shines.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -25,10 +29,10 @@ impl Light {
     }
 
     /// From which depth on light ends, transport lengths.
-    pub(super) fn depth(self, handover: Handover) -> f64 {
+    pub(super) fn depth(self, settings: &DeepSettings) -> f64 {
         match self {
-            Self::Overcast => handover.depth,
-            Self::SunAndSky => handover.depth.max(0.5),
+            Self::Overcast => settings.depth,
+            Self::SunAndSky => settings.under_small_lights().depth,
         }
     }
 
@@ -74,21 +78,20 @@ impl Grains {
     }
 }
 
-/// When light ends.
+/// When light ends: by the error that is asked for.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Handover {
     pub(super) error: f64,
-    pub(super) after_grains: u32,
-    pub(super) depth: f64,
 }
 
 impl Handover {
     /// The default first.
-    pub(super) const ALL: [Self; 3] = [
-        Self { error: 0.01, after_grains: 4, depth: 0.25 },
-        Self { error: 0.003, after_grains: 4, depth: 0.5 },
-        Self { error: 0.001, after_grains: 8, depth: 1.0 },
-    ];
+    pub(super) const ALL: [Self; 3] =
+        [Self { error: 0.01 }, Self { error: 0.003 }, Self { error: 0.001 }];
+
+    pub(super) fn settings(self) -> Result<DeepSettings> {
+        DeepSettings::for_error(self.error).context("no settings are known for this error")
+    }
 }
 
 /// A scene.
@@ -103,6 +106,8 @@ pub(super) struct Case {
     pub(super) depth: f64,
     /// Along x and z, metres.
     width: f64,
+    /// Whether both pictures have as many samples, so that rare bright ones weigh as much in both.
+    alike: bool,
 }
 
 impl Case {
@@ -124,6 +129,7 @@ impl Case {
                     pixel_radii,
                     depth: 0.05,
                     width: 0.12,
+                    alike: false,
                 }));
             }
         }
@@ -135,9 +141,16 @@ impl Case {
                 pixel_radii: 2.0,
                 depth: 0.05,
                 width: 0.12,
+                alike: false,
             });
         }
         cases
+    }
+
+    /// Grains that a path meets before it may end.
+    pub(super) fn grains(&self, settings: &DeepSettings) -> f64 {
+        let [narrow, wide] = settings.after_grains.map(f64::from);
+        narrow + (wide - narrow) * DeepSettings::width(self.pixel_radii).clamp(0.0, 1.0)
     }
 
     pub(super) fn of_speed(quick: bool) -> Vec<Self> {
@@ -148,6 +161,7 @@ impl Case {
             pixel_radii: 1.0,
             depth,
             width,
+            alike: !quick,
         };
         let mut cases = vec![case(Light::Overcast, 0.1, 0.3)];
         if !quick {
@@ -166,6 +180,7 @@ impl Case {
     ) -> Result<Film> {
         std::fs::write(program.folder().join("deep.toml"), self.scene())?;
         let [exact, learnt] = self.light.samples(quick);
+        let [exact, learnt] = if self.alike { [SPEED_SAMPLES; 2] } else { [exact, learnt] };
         let (samples, error) = match handover {
             None => (exact, 0.0),
             Some(handover) => (learnt, handover.error),

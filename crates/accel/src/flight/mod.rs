@@ -7,6 +7,7 @@
 
 mod blocks;
 mod crystal;
+mod deep_watch;
 mod meeting;
 mod probe;
 pub(crate) mod random;
@@ -17,9 +18,10 @@ mod visit;
 
 use crate::grain_grid::{GridPosition, Storage};
 use crate::{GrainGrid, STRATA, SimdLevel, SurfaceHit, SurfaceId, Surfaces};
+pub use deep_watch::{DeepAnswer, DeepWatch, GrainsBefore};
 pub use probe::{MetGrain, Passage, Probe, ProbeAnswer, Probes};
 pub use shapes::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
-pub use visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival};
+pub use visit::{ArrivalFrom, GrainVisit, ShapedArrival};
 
 use blocks::BlockFlight;
 use crystal::CrystalFlight;

@@ -1,7 +1,7 @@
 //! Arrivals at grains, noted for a caller that looks for light at each.
 
 use crate::STRATA;
-use crate::grain_grid::{GridPosition, Interior};
+use crate::grain_grid::GridPosition;
 use snowgrain_geometry::GrainShape;
 use snowgrain_math::DVec3;
 
@@ -59,31 +59,3 @@ pub struct GrainVisit {
 
 /// Arrivals after which a flight hands them over.
 pub(super) const VISITS_AT_ONCE: usize = 64;
-
-/// What a flight does with paths that arrive deep in the snow.
-#[derive(Clone, Copy, Debug)]
-pub struct DeepWatch<'a> {
-    /// Where it is deep.
-    pub interior: &'a Interior,
-    /// Grains that a path has met before it counts as deep, at least.
-    pub after_grains: u32,
-    /// What is done.
-    pub answer: DeepAnswer,
-}
-
-/// What is done with a path that arrives at a grain deep in the snow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DeepAnswer {
-    /// It stops there ([`super::FlightEvent::Deep`]).
-    Stop,
-    /// The arrival is noted, and no other.
-    Note,
-}
-
-impl DeepWatch<'_> {
-    /// Whether an arrival in a cell is deep, where the path has met so many grains before.
-    #[inline(always)]
-    pub(super) fn is_deep(&self, grains_before: u32, cell: [i32; 3]) -> bool {
-        grains_before >= self.after_grains && self.interior.is_deep(cell)
-    }
-}

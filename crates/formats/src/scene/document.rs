@@ -330,12 +330,14 @@ pub struct IntegratorTable {
     /// following three; default 0.01.
     pub lod_error: Option<f64>,
     /// Grains that a path meets exactly before it may end, of spheres of ice (of others as many as turn light as much); default 4 (4 and
-    /// 8 for errors of .003 and .001).
+    /// 8 for errors of .003 and .001), and half as many where a pixel is wider than 1.5 radii of the grains, in between
+    /// where it is wider than half of one.
     pub deep_after_grains: Option<u32>,
     /// How far from open air and surfaces it must then be, in transport lengths (11.6 mm for grains of .5 mm
     /// at 275 kg/m^3); default 0.25 (0.5 and 1), at least 0.5 where small lights are looked for.
     pub deep_depth: Option<f64>,
-    /// Paths by which it is learnt; default 524288 (1048576 and 2097152).
+    /// Paths by which it is learnt; default 786432 (1572864 and 3145728), twice as many where small
+    /// lights are looked for.
     pub learning_paths: Option<u64>,
     /// "fast", or "compact" (grains take half the memory or less, at two thirds of the speed; light is
     /// rounded otherwise); default "fast", or what --max-memory has room for.

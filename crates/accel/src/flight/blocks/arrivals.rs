@@ -1,7 +1,8 @@
 //! Arrivals of paths at grains, noted for the caller.
 
 use super::paths::{GROUP, Group, get};
-use crate::flight::visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit};
+use crate::flight::deep_watch::{DeepAnswer, DeepWatch};
+use crate::flight::visit::{ArrivalFrom, GrainVisit};
 use crate::grain_grid::{GridPosition, MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 
 /// What of arrivals is wanted, and what there was.
@@ -56,7 +57,8 @@ impl Arrivals<'_> {
 fn deep_among(group: &Group, watch: DeepWatch<'_>, set: u32) -> u32 {
     let mut deep = 0;
     each(set, |at| {
-        deep |= u32::from(watch.is_deep(group.visits[at], get(&group.cell, at))) << at;
+        let is_deep = watch.is_deep(group.visits[at], get(&group.cell, at), group.path_key(at));
+        deep |= u32::from(is_deep) << at;
     });
     deep
 }

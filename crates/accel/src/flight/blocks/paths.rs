@@ -126,6 +126,10 @@ impl Group {
         self.pause(at);
     }
 
+    pub(super) fn path_key(&self, at: usize) -> PathKey {
+        PathKey { lo: unprepared(self.key[0][at]), hi: unprepared(self.key[1][at]) }
+    }
+
     pub(super) fn event(&self, at: usize) -> u32 {
         unprepared(self.event[at])
     }

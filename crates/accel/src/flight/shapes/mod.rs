@@ -25,7 +25,8 @@ pub use chain::{Chain, LEAST_WEIGHT, MOST_INTERFACES, Outgoing, chain};
 
 pub(super) use probe::ShapeProbes;
 
-use super::visit::{ArrivalFrom, DeepAnswer, DeepWatch, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
+use super::deep_watch::{DeepAnswer, DeepWatch};
+use super::visit::{ArrivalFrom, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
 use super::{FirstGrain, FlightEvent, LANES, Travelled};
 use crate::grain_grid::{GridPosition, GridShapes, ShapeWord};
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
@@ -208,7 +209,7 @@ impl<'a> ShapeFlight<'a> {
     /// Whether a path that has just arrived at a grain from air is deep in the snow and stops there.
     fn stops_deep(&self, lane: &Lane) -> bool {
         self.deep.is_some_and(|watch| {
-            watch.answer == DeepAnswer::Stop && watch.is_deep(lane.visits - 1, lane.cell)
+            watch.answer == DeepAnswer::Stop && watch.is_deep(lane.visits - 1, lane.cell, lane.key)
         })
     }
 

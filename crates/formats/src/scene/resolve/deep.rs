@@ -37,10 +37,11 @@ pub(super) fn deep(
         checks.bad("integrator.lod_error", mend)
     })?;
     if has_small_lights {
-        settings.depth = settings.depth.max(DeepSettings::LEAST_DEPTH_OF_SMALL_LIGHTS);
+        settings = settings.under_small_lights();
     }
     settings.depth = depth(checks)?.unwrap_or(settings.depth);
-    settings.after_grains = table.deep_after_grains.unwrap_or(settings.after_grains);
+    settings.after_grains =
+        table.deep_after_grains.map_or(settings.after_grains, |grains| [grains; 2]);
     settings.learning_paths = table.learning_paths.unwrap_or(settings.learning_paths);
     if !(1024..=1_000_000_000).contains(&settings.learning_paths) {
         let mend = "must be a whole number from 1024 to 1e9";
@@ -74,7 +75,7 @@ pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneErro
         return Err(checks.misplaced(key, "needs integrator.deep = \"learnt\""));
     }
     let known = DeepSettings::for_error(DEFAULT_ERROR);
-    let [after_grains, deep] = known.map_or([0.0; 2], |s| [f64::from(s.after_grains), s.depth]);
+    let [after_grains, deep] = known.map_or([0.0; 2], |s| [f64::from(s.after_grains[0]), s.depth]);
     Ok(Some(ProxyStart {
         after_grains: table.deep_after_grains.unwrap_or(after_grains as u32),
         depth: depth(checks)?.unwrap_or(deep),

@@ -218,7 +218,7 @@ fn light_deep_in_the_snow_is_learnt_as_an_error_asks() {
     let learnt = "integrator.deep=learnt";
     assert_eq!(deep(&[learnt]), DeepSettings::for_error(0.01));
     let own = deep(&[learnt, "integrator.lod_error=0.001", "integrator.deep_depth=0.25"]).unwrap();
-    assert_eq!((own.after_grains, own.depth), (8, 0.25));
+    assert_eq!((own.after_grains, own.depth), ([8, 4], 0.25));
     for (sets, expected) in [
         (["integrator.lod_error=0.01", "film.seed=1"], "needs integrator.deep = \"learnt\""),
         ([learnt, "integrator.lod_error=0.0001"], "must be from 0.001 to 1"),

@@ -4,18 +4,20 @@ use super::DeepSettings;
 use super::levels::Levels;
 use super::samples::Samples;
 use super::scale::Scale;
+use crate::camera::Camera;
 use crate::light::Lights;
 use crate::transport::Contribution;
 use crate::world::World;
-use snowgrain_accel::{ArrivalFrom, GrainVisit, Interior, STRATA, SimdLevel};
+use snowgrain_accel::{ArrivalFrom, GrainVisit, GrainsBefore, Interior, STRATA, SimdLevel};
 use snowgrain_geometry::Shape;
 use snowgrain_math::DVec3;
+use snowgrain_math::sampler::PathKey;
 
 /// What paths bring from each place deep in the snow on. See the module's page.
 #[derive(Clone, Debug)]
 pub struct OutcomeField {
     pub(super) interior: Interior,
-    pub(super) after_grains: u32,
+    pub(super) after: GrainsBefore,
     /// How far ahead of an arrival it counts, in coarse cells along each axis.
     ahead: DVec3,
     /// Unit of lengths in ice, metres.
@@ -29,18 +31,24 @@ pub struct OutcomeField {
 impl OutcomeField {
     /// Nothing is learnt yet; `None` where no snow is deep.
     pub(super) fn unlearnt(
-        world: &World,
+        (world, camera): (&World, &Camera),
         lights: &Lights,
         settings: &DeepSettings,
         scale: Scale,
     ) -> Option<Self> {
         let unit = scale.transport_length;
         let rings = (settings.depth / settings.cell).ceil() as u32;
+        let grains = settings
+            .after_grains
+            .map(|grains| (f64::from(grains) * scale.grains_for_one).round() as u32);
+        let width = |place: DVec3| {
+            DeepSettings::width(camera.pixel_footprint(camera.depth(place)) / scale.radius)
+        };
         let interior = world.grid.interior(settings.cell * unit, rings);
         interior.has_deep().then(|| Self {
             ahead: DVec3::splat(scale.ahead) / interior.edges(),
             interior,
-            after_grains: (f64::from(settings.after_grains) * scale.grains_for_one).round() as u32,
+            after: GrainsBefore::by_width(grains, &world.grid, width),
             unit,
             slots: lights.slots().len(),
             has_strata: world.grid.has_strata(),
@@ -69,14 +77,15 @@ impl OutcomeField {
     /// The same as [`Self::learn`] gives, of such bytes; `None` where they are damaged, of another key or of other lights.
     #[must_use]
     pub fn from_bytes(
-        (world, prototypes, lights): (&World, &[Shape], &Lights),
+        (world, prototypes, camera): (&World, &[Shape], &Camera),
+        lights: &Lights,
         settings: &DeepSettings,
         (key, bytes): (&[u8; 32], &[u8]),
         level: SimdLevel,
     ) -> Option<Self> {
         let levels = Levels::from_bytes(key, bytes)?;
         let scale = Scale::of(world, prototypes, level)?;
-        let field = Self::unlearnt(world, lights, settings, scale)?;
+        let field = Self::unlearnt((world, camera), lights, settings, scale)?;
         (levels.slots == field.slots).then_some(Self { levels, ..field })
     }
 
@@ -87,11 +96,12 @@ impl OutcomeField {
         self.levels.relative_error()
     }
 
-    /// Whether an arrival is deep in the snow.
-    pub(super) fn is_deep(&self, visit: &GrainVisit) -> bool {
+    /// Whether an arrival of a path is deep in the snow.
+    pub(super) fn is_deep(&self, visit: &GrainVisit, key: PathKey) -> bool {
+        let cell = visit.center.cell;
         visit.from == ArrivalFrom::Air
-            && visit.grain_visits > self.after_grains
-            && self.interior.is_deep(visit.center.cell)
+            && self.interior.is_deep(cell)
+            && self.after.are_met(visit.grain_visits - 1, cell, key)
     }
 
     /// Where an arrival counts, in coarse cells.

@@ -61,7 +61,7 @@ impl<'a> Learner<'a> {
 
     /// A path arrives at a grain.
     pub(in crate::transport) fn note(&mut self, visit: &GrainVisit, state: &PathState) {
-        if self.arrivals[visit.lane].is_some() || !self.field.is_deep(visit) {
+        if self.arrivals[visit.lane].is_some() || !self.field.is_deep(visit, state.key) {
             return;
         }
         self.arrivals[visit.lane] = Some(Arrival {
@@ -114,7 +114,7 @@ impl OutcomeField {
         level: SimdLevel,
     ) -> Option<Self> {
         let scale = Scale::of(world, prototypes, level)?;
-        let field = Self::unlearnt(world, lights, settings, scale)?;
+        let field = Self::unlearnt((world, camera), lights, settings, scale)?;
         let paths = settings.learning_paths;
         let size = size.map(f64::from);
         let follow = |tasks: Range<u64>| -> Vec<(Samples, u64)> {

@@ -41,8 +41,9 @@ use snowgrain_accel::{DeepAnswer, DeepWatch};
 /// When a path of a picture ends deep in the snow, and how what it brings is learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeepSettings {
-    /// Grains that a path meets exactly, at least: of spheres of ice; of others as many as turn it as much.
-    pub after_grains: u32,
+    /// Grains that a path meets exactly, at least, where a pixel is narrow ([`Self::NARROW`]) and where it is wide
+    /// ([`Self::WIDE`]): of spheres of ice; of others as many as turn it as much.
+    pub after_grains: [u32; 2],
     /// Distance from open air and surfaces at least, transport lengths.
     pub depth: f64,
     /// Edge of the cells of the field, transport lengths.
@@ -54,15 +55,38 @@ pub struct DeepSettings {
 impl DeepSettings {
     /// Of the errors that settings are known for: how many grains and how deep, and times the paths of the
     /// default (`cargo xtask deep` measures what is left, a third of that or less).
-    const BY_ERROR: [(f64, u32, f64, u64); 3] =
-        [(0.01, 4, 0.25, 1), (0.003, 4, 0.5, 2), (0.001, 8, 1.0, 4)];
+    const BY_ERROR: [(f64, [u32; 2], f64, u64); 3] =
+        [(0.01, [4, 2], 0.25, 1), (0.003, [4, 2], 0.5, 2), (0.001, [8, 4], 1.0, 4)];
+
+    /// Learning paths of the default: pixels of eight radii are then within 1.4 % in the mean of squares.
+    const PATHS: u64 = 3 << 18;
+
+    /// Width of a pixel where it met the snow, in radii of the grains, up to which it is narrow, and from which on it is wide.
+    /// What the first grains bring differs from grain to grain, which wide pixels do not show: two grains are as good there
+    /// as four where a pixel is half a radius wide.
+    pub const NARROW: f64 = 0.5;
+    /// See [`Self::NARROW`].
+    pub const WIDE: f64 = 1.5;
 
     /// Least error that settings are known for.
     pub const LEAST_ERROR: f64 = Self::BY_ERROR[2].0;
 
     /// Depth at least where suns and small lamps shine, whose light is patchy that much farther down: at half of it blocks of 8 x 8
     /// radii were 2 % off.
-    pub const LEAST_DEPTH_OF_SMALL_LIGHTS: f64 = 0.5;
+    const LEAST_DEPTH_OF_SMALL_LIGHTS: f64 = 0.5;
+
+    /// The same where small lights shine: deeper, and of twice the paths, which bring more or less of such light by chance.
+    #[must_use]
+    pub fn under_small_lights(self) -> Self {
+        let depth = self.depth.max(Self::LEAST_DEPTH_OF_SMALL_LIGHTS);
+        Self { depth, learning_paths: 2 * self.learning_paths, ..self }
+    }
+
+    /// How wide a pixel is of so many radii of the grains, from 0, narrow, to 1, wide, and beyond either.
+    #[must_use]
+    pub fn width(pixel_radii: f64) -> f64 {
+        (pixel_radii - Self::NARROW) / (Self::WIDE - Self::NARROW)
+    }
 
     /// Settings by which the means of blocks of a picture differ by no more than this part, as measured;
     /// `None` for an error that none are known for.
@@ -70,7 +94,7 @@ impl DeepSettings {
     pub fn for_error(error: f64) -> Option<Self> {
         let fits = Self::BY_ERROR.into_iter().find(|&(known, ..)| known <= error)?;
         let (_, after_grains, depth, times) = fits;
-        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times << 19 })
+        Some(Self { after_grains, depth, cell: 0.25, learning_paths: times * Self::PATHS })
     }
 }
 
@@ -98,7 +122,7 @@ impl<'a> Deep<'a> {
     pub(super) fn watch(&self) -> DeepWatch<'a> {
         let of_field = |field: &'a OutcomeField, answer| DeepWatch {
             interior: &field.interior,
-            after_grains: field.after_grains,
+            after: field.after,
             answer,
         };
         match self {
@@ -106,7 +130,7 @@ impl<'a> Deep<'a> {
             Self::Learn(learner) => of_field(learner.field, DeepAnswer::Note),
             Self::Proxy(proxy) => DeepWatch {
                 interior: &proxy.interior,
-                after_grains: proxy.after_grains,
+                after: proxy.after,
                 answer: DeepAnswer::Stop,
             },
         }

@@ -34,6 +34,8 @@ pub(in super::super) struct Scale {
     pub(in super::super) transport_length: f64,
     /// How far ahead of an arrival along its direction what it brings is booked.
     pub(in super::super) ahead: f64,
+    /// Radius of spheres of the same volume and shadow.
+    pub(in super::super) radius: f64,
     /// Grains that turn light as much as one does in snow of spheres of ice.
     pub(in super::super) grains_for_one: f64,
 }
@@ -73,6 +75,7 @@ impl Scale {
         Some(Self {
             transport_length: transport / extinction,
             ahead: (transport - TURNED_AT_ONCE).max(0.0) / extinction,
+            radius: 0.75 * filled / extinction,
             grains_for_one: transport / OF_SPHERES,
         })
     }

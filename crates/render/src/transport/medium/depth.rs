@@ -15,7 +15,7 @@ use crate::light::Lights;
 use crate::transport::deep::Scale;
 use crate::world::World;
 use core::f64::consts::TAU;
-use snowgrain_accel::{GrainVisit, Interior, SimdLevel, SurfaceShape};
+use snowgrain_accel::{GrainVisit, GrainsBefore, Interior, SimdLevel, SurfaceShape};
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DAffine3, DVec3, Ray, trig};
 
@@ -43,7 +43,7 @@ pub struct ProxyInDepth {
     deep: Reach,
     shells: Option<Shells>,
     pub(in super::super) interior: Interior,
-    pub(in super::super) after_grains: u32,
+    pub(in super::super) after: GrainsBefore,
     /// Steps in which is looked where a ray leaves the deep cells, metres.
     step: f64,
 }
@@ -82,8 +82,8 @@ impl ProxyInDepth {
         let deep = medium.nodes_where(is_deep, far, &world.surfaces);
         let shells = if start.jumps { Shells::new(&medium, &deep) } else { None };
         let step = 0.25 * interior.edges().min_element();
-        let after_grains = start.after_grains;
-        Some(Self { medium, deep, shells, interior, after_grains, step })
+        let after = GrainsBefore::everywhere(start.after_grains);
+        Some(Self { medium, deep, shells, interior, after, step })
     }
 
     /// The spheres of a world without surfaces, to be measured: in the dark.
