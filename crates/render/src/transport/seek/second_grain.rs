@@ -47,6 +47,8 @@ use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
 /// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light comes
 /// by one chord, the brightest images by none, of what the first grain gathers.
 const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [1.0, 2.0, 4.0, 16.0];
+/// The same behind a reflection, where one path in [`PATHS_PER_LOOK`] has looked at all and images are as bright.
+const BEHIND_REFLECTION: [f64; SOLVED_ORDERS as usize + 1] = [1.0, 1.0, 2.0, 4.0];
 /// One path in so many looks along the ray that its first grain would reflect ([`super::reflected`]).
 pub(super) const PATHS_PER_LOOK: f64 = 4.0;
 /// What a dimmer image is found to bring, of white ground across the sun's light, where it is kept: one in so many as it
@@ -167,7 +169,8 @@ impl PairSearch {
 
     /// One path in so many looks for it.
     fn paths(&self) -> f64 {
-        PATHS_PER_SEARCH[self.pair.visits[1].order as usize]
+        let [near, far] = self.pair.visits.map(|visit| visit.order as usize);
+        if near == 0 { BEHIND_REFLECTION[far] } else { PATHS_PER_SEARCH[far] }
     }
 
     /// Part of these paths that look for a sun in this direction where their rays pass so: fewer where no image of it
