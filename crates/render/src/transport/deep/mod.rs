@@ -54,7 +54,7 @@ pub struct DeepSettings {
 
 impl DeepSettings {
     /// Of the errors that settings are known for: how many grains and how deep, and times the paths of the
-    /// default (`cargo xtask deep` measures what is left, a third of that or less).
+    /// default (`cargo xtask deep` measures what is left, less than that).
     const BY_ERROR: [(f64, [u32; 2], f64, u64); 3] =
         [(0.01, [4, 2], 0.25, 1), (0.003, [4, 2], 0.5, 2), (0.001, [8, 4], 1.0, 4)];
 
