@@ -100,6 +100,8 @@ impl DeepWatch<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Packing, Surfaces};
+    use snowgrain_geometry::Quantisation;
 
     /// Of 100 000 paths.
     fn part(after: &GrainsBefore, grains: u32, x: i32) -> f64 {
@@ -119,6 +121,23 @@ mod tests {
             let waits = 1.0 - part(&after, 2, x) + 1.0 - part(&after, 3, x);
             // Five standard errors of 100 000 coins.
             assert!((2.0 + waits - mean).abs() < 5.0 * 0.0016, "{x}: {}", 2.0 + waits);
+        }
+    }
+
+    /// Pixels as wide as a place is far along an axis, in a row of grains from 0 to 100 m: narrow up to 40 m, wide from 60 m on.
+    #[test]
+    fn the_width_of_a_pixel_is_that_at_the_place_of_a_cell() {
+        let quantisation = Quantisation::for_grains(DVec3::ZERO, 1.0);
+        let row = (0..=50).map(|i| DVec3::new(2.0 * f64::from(i), 0.0, 0.0));
+        let grains: Vec<_> = row.map(|center| quantisation.round(center, 1.0).unwrap()).collect();
+        let grid = GrainGrid::build(quantisation, &grains[..], &Surfaces::default(), Packing::Fast)
+            .unwrap();
+        let after = GrainsBefore::by_width([4, 2], &grid, |place| (place.x - 40.0) / 20.0);
+        for (x, expected) in [(10.0, 0.0), (30.0, 0.0), (70.0, 1.0), (95.0, 1.0)] {
+            let cell = grid.locate(DVec3::new(x, 0.0, 0.0)).cell;
+            let met = |index| after.are_met(2, cell, PathKey::new(7, index, 0));
+            let part = (0..100).filter(|&index| met(index)).count();
+            assert!((part as f64 - 100.0 * expected).abs() < 1e-9, "{x}: {part}");
         }
     }
 
