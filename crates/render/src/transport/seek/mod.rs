@@ -26,6 +26,7 @@ mod first_grain;
 mod first_shape;
 mod gains;
 mod grains;
+mod pair_search;
 mod reflected;
 mod second_grain;
 mod shadow;
@@ -42,13 +43,14 @@ use crate::laboratory::scattered;
 use crate::light::{LightRole, Lights};
 use crate::surface::Scatterer;
 use crate::world::World;
+use core::f64::consts::TAU;
 use gains::{Gains, Tally};
 use second_grain::{FirstGrain, SecondGrain};
 use shadow::{Origin, Wanted};
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe, Probes, SimdLevel};
 use snowgrain_geometry::Shape;
-use snowgrain_math::DVec3;
 use snowgrain_math::sampler::PathKey;
+use snowgrain_math::{DVec3, trig};
 use snowgrain_optics::{Connector, Dielectric, ScatterTable};
 
 /// Angle across suns where their images after one or two grains are not solved but met by chance, degrees.
@@ -114,6 +116,18 @@ struct Sun {
     light: usize,
     /// Somewhere on it, as seen from the scene.
     towards: DVec3,
+    /// Solid angle, sr, and angle across, radians.
+    solid_angle: f64,
+    width: f64,
+}
+
+impl Sun {
+    fn new(lights: &Lights, light: usize) -> Option<Self> {
+        let towards = lights.sample_light(light, DVec3::ZERO, [0.0; 3])?.direction;
+        let solid_angle = lights.solid_angle(light);
+        let width = 2.0 * trig::acos(1.0 - solid_angle / TAU);
+        Some(Self { light, towards, solid_angle, width })
+    }
 }
 
 /// Which lights are looked for.
@@ -134,10 +148,9 @@ impl LightSearch {
         let roles: Vec<_> = (0..lights.count()).map(|light| lights.role(light)).collect();
         let is_sought: Vec<_> =
             roles.iter().map(|&role| role != LightRole::Sky || sought == Sought::All).collect();
-        let towards = |light| lights.sample_light(light, DVec3::ZERO, [0.0; 3]);
         let suns = (0..lights.count())
             .filter(|&light| roles[light] == LightRole::Sun)
-            .filter_map(|light| Some(Sun { light, towards: towards(light)?.direction }))
+            .filter_map(|light| Sun::new(lights, light))
             .collect();
         Self {
             suns,

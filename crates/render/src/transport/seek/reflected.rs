@@ -5,7 +5,8 @@
 //! meet a grain one in [`PATHS_PER_LOOK`] looks along the ray that the grain would reflect, and where that meets
 //! another one, for images in both, wherever the path itself goes on.
 
-use super::second_grain::{FirstGrain, PATHS_PER_LOOK, solved_orders};
+use super::pair_search::PATHS_PER_LOOK;
+use super::second_grain::{FirstGrain, solved_orders};
 use super::{PathState, Seeker, View, search_key};
 use core::slice;
 use snowgrain_accel::{GrainVisit, MetGrain, Probe, ProbeAnswer};

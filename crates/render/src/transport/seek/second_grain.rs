@@ -31,6 +31,7 @@
 //! Nothing is known of ways in which grains overlap inside, so the orders are limited as at the first
 //! grain; by what ways light comes else it is met by chance ([`super::chance`]): each is either here or there.
 
+use super::pair_search::{Look, PairSearch};
 use super::shadow::{Brings, Condition, Wanted};
 use super::window::Window;
 use super::{
@@ -42,46 +43,28 @@ use core::f64::consts::PI;
 use snowgrain_accel::{GrainVisit, GridPosition, Probe, ProbeAnswer, STRATA};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
-use snowgrain_optics::{PairPath, Passed, Pencil, SpherePair, SphereVisit};
+use snowgrain_optics::{PairPath, Passed, SpherePair, SphereVisit};
 
-/// One path in so many looks, for all, for images of suns by so many chords of the second grain: most of the light comes
-/// by one chord, the brightest images by none, of what the first grain gathers.
-const PATHS_PER_SEARCH: [f64; SOLVED_ORDERS as usize + 1] = [1.0, 2.0, 4.0, 16.0];
-/// The same behind a reflection, where one path in [`PATHS_PER_LOOK`] has looked at all and images are as bright.
-const BEHIND_REFLECTION: [f64; SOLVED_ORDERS as usize + 1] = [1.0, 1.0, 2.0, 4.0];
-/// One path in so many looks along the ray that its first grain would reflect ([`super::reflected`]).
-pub(super) const PATHS_PER_LOOK: f64 = 4.0;
-/// What a dimmer image is found to bring, of white ground across the sun's light, where it is kept: one in so many as it
-/// is dimmer. To look often and to keep what is bright costs no more than to look seldom, as it is the random places
-/// and rays of what is kept that take the time.
-const KEPT_BRIGHTNESS: f64 = 0.25;
-/// Part that is kept of the dimmest.
-const LEAST_KEPT: f64 = 1.0 / 64.0;
 /// What tells the random numbers of such a search, and of its trials, from others.
 const PAIR: u32 = 0x2b0d_1e55;
 const TRIAL: u32 = 0x5ec0_7214;
-/// Random events of the place on a sun and of whether what is found is kept; those before are of the searches.
+/// What tells those of one look close by from those of the next, and of a closer one.
+const SALT: u32 = 0x9e37_79b9;
+const CLOSER: u32 = 0x5bd1_e995;
+/// Random events of the place on a sun, of whether what is found is kept, of how often is looked close by, and of the
+/// window of such a look; those before are of the searches.
 const SUN: u32 = SOLVED_ORDERS + 1;
 const KEPT: u32 = SUN + 1;
-/// Angle by which rays are turned apart behind two grains that meet the first a radius apart, radians: by chords of
-/// the second. As a rule it is three times as large, but what is looked for so far away is as seldom found: with
-/// that a sample takes a fifth longer and varies no less.
-const TURNED: [f64; SOLVED_ORDERS as usize + 1] = [2.1, 2.1, 1.2, 2.1];
+const CLOSE_BY: u32 = KEPT + 1;
+const CLOSE_WINDOW: u32 = CLOSE_BY + 1;
 /// Edge of a window in radii of the first grain, where a pixel is not smaller: about as large as the part of the
 /// grain behind which the second one is seen.
 const WINDOW: f64 = 0.5;
-/// Part of the paths that look for a sun however far from it their rays leave: what they find takes no more than so many
-/// times as long to weigh.
-const LEAST_PROBABILITY: f64 = 1.0 / 64.0;
 /// Random places of a window that must lead to a solution: one of k adds 1/k to the variance, so k grows with the
 /// brightness of an image, from one at this brightness in one search (that of white ground across the sun's
 /// light is 1) to the most.
 const BRIGHTNESS_PER_SUCCESS: f64 = 0.2;
 const MOST_SUCCESSES: f64 = 8.0;
-/// P as it is taken to be where a search and chance share light; how well it fits shows in the noise only.
-const TYPICAL_PART: f64 = 0.25;
-/// A search goes no farther from where it begins than so many edges of its window.
-const REACH: f64 = 1.5;
 /// Places are the same that are no farther apart than this part of a window.
 const SAME: f64 = 1e-5;
 
@@ -106,20 +89,11 @@ pub(super) struct SecondGrain {
     pub(super) most: u32,
 }
 
-/// The rays of a place of the lens, and two grains that they pass by some orders.
-#[derive(Clone, Copy)]
-pub(super) struct PairSearch {
-    pub(super) pencil: Pencil,
-    pub(super) pair: SpherePair,
-    /// Edge of a window, pixels and radii of the first grain.
-    edge: f64,
-    edge_radii: f64,
-}
-
 /// Where a search begins.
 struct Begins {
     image: [f64; 2],
     window: Window,
+    look: Look,
     sun: Sun,
     key: PathKey,
 }
@@ -130,9 +104,10 @@ pub(super) struct PairSolution {
     /// The first grain as it is stored.
     first: (GridPosition, f32),
     window: Window,
-    /// Somewhere on the sun, and the place on it.
+    look: Look,
+    sun: Sun,
+    /// The place on it.
     towards: DVec3,
-    sun: DVec3,
     path: PairPath,
     /// Random places that must lead to it.
     successes: u32,
@@ -152,62 +127,6 @@ impl FirstGrain {
     pub(super) fn new(visit: &GrainVisit) -> Self {
         let &GrainVisit { center, radius, stratum, event, .. } = visit;
         Self { center, radius, stratum, event, most: solved_orders(visit) }
-    }
-}
-
-impl PairSearch {
-    /// The search from a place of the image into the direction of a sun.
-    fn solve(&self, start: [f64; 2], sun: DVec3) -> Option<PairPath> {
-        self.pair.solve(&self.pencil, (start, REACH * self.edge), sun)
-    }
-
-    /// The same by so many chords of the second grain.
-    pub(super) fn by_chords(mut self, order: u32) -> Self {
-        self.pair.visits[1].order = order;
-        self
-    }
-
-    /// One path in so many looks for it.
-    fn paths(&self) -> f64 {
-        let [near, far] = self.pair.visits.map(|visit| visit.order as usize);
-        if near == 0 { BEHIND_REFLECTION[far] } else { PATHS_PER_SEARCH[far] }
-    }
-
-    /// Part of these paths that look for a sun in this direction where their rays pass so: fewer where no image of it
-    /// is to be expected near.
-    fn probability(&self, began: &[Passed; 2], sun: DVec3) -> f64 {
-        let turned = TURNED[self.pair.visits[1].order as usize] * self.edge_radii;
-        // Less the cosine.
-        let spread = 0.5 * turned * turned;
-        let near = spread / (1.0 - began[1].direction.dot(sun)).max(spread);
-        (near * near).max(LEAST_PROBABILITY)
-    }
-
-    /// Probability with which a path that meets the first grain comes to look for images behind it.
-    fn comes(&self, first: &Passed) -> f64 {
-        match self.pair.visits[0].order {
-            0 => 1.0 / PATHS_PER_LOOK,
-            _ => self.pair.part(0, first).0,
-        }
-    }
-
-    /// Part of the images such as this one that are kept.
-    fn kept(&self, path: &PairPath) -> f64 {
-        let [energy_near, energy_far] =
-            [0, 1].map(|sphere: usize| self.pair.part(sphere, &path.passed[sphere]).0);
-        let energy = energy_near * energy_far / self.comes(&path.passed[0]);
-        let by_area = path.solid_angle() * self.edge * self.edge * TYPICAL_PART;
-        let brightness = PI * energy * self.paths() / by_area;
-        (brightness / KEPT_BRIGHTNESS).clamp(LEAST_KEPT, 1.0)
-    }
-
-    /// Part that a search for a sun of this solid angle (sr) has of the light by this way, beside rays that have it
-    /// themselves.
-    fn share(&self, path: &PairPath, sun: f64) -> f64 {
-        let per_path = self.edge * self.edge * TYPICAL_PART * self.kept(path) / self.paths();
-        let found = path.solid_angle() / sun * per_path * self.comes(&path.passed[0]);
-        let (itself, _) = self.pair.part(0, &path.passed[0]);
-        found / (found + itself)
     }
 }
 
@@ -269,18 +188,42 @@ impl Seeker<'_> {
         let key = PathKey { lo: key.lo ^ PAIR, ..key };
         let [x, y, chosen] = numbers(key, order).map(f64::from);
         let chosen = chosen * search.paths();
-        if chosen >= 1.0 {
-            return;
-        }
-        let window = Window::around(view.image, search.edge, [x, y]);
+        let image = view.image;
         for &sun in &self.search.suns {
-            if chosen >= search.probability(began, sun.towards) {
-                continue;
-            }
             // Each light and order has random numbers of its own.
             let salt = (sun.light as u32).wrapping_mul(SOLVED_ORDERS + 1) + order;
             let key = PathKey { lo: key.lo.wrapping_add(salt), ..key };
-            let begins = Begins { image: view.image, window, sun, key };
+            if chosen < search.probability(began, &sun, Look::Wide) {
+                let window = Window::around(image, search.edge, [x, y]);
+                let begins = Begins { image, window, look: Look::Wide, sun, key };
+                self.towards_sun_by_pair(grains, (search, &begins), state);
+            }
+            for (how, look) in Look::CLOSE.into_iter().enumerate() {
+                let key =
+                    PathKey { hi: key.hi.wrapping_add(CLOSER.wrapping_mul(how as u32 + 1)), ..key };
+                self.look_close_by(grains, (search, image, look), (began, sun), (key, state));
+            }
+        }
+    }
+
+    /// Lets a path whose ray leaves close to a sun look as often again.
+    fn look_close_by(
+        &mut self,
+        grains: (&GrainVisit, &FirstGrain),
+        (search, image, look): (&PairSearch, [f64; 2], Look),
+        (began, sun): (&[Passed; 2], Sun),
+        (key, state): (PathKey, &PathState),
+    ) {
+        let looks = search.looks(began, &sun, look);
+        if looks == 0.0 {
+            return;
+        }
+        let looks = (looks + f64::from(numbers(key, CLOSE_BY)[0])) as u32;
+        for number in 1..=looks {
+            let key = PathKey { hi: key.hi.wrapping_add(number.wrapping_mul(SALT)), ..key };
+            let [x, y, _] = numbers(key, CLOSE_WINDOW).map(f64::from);
+            let window = Window::around(image, search.edge, [x, y]);
+            let begins = Begins { image, window, look, sun, key };
             self.towards_sun_by_pair(grains, (search, &begins), state);
         }
     }
@@ -319,7 +262,8 @@ impl Seeker<'_> {
         state: &PathState,
     ) {
         let lights = &self.search.lights;
-        for &Sun { light, .. } in &self.search.suns {
+        for sun in &self.search.suns {
+            let light = sun.light;
             let radiance = lights.radiance_at_infinity(light, direction);
             if radiance == [0.0; 3] {
                 continue;
@@ -327,7 +271,7 @@ impl Seeker<'_> {
             let Some(path) = search.pair.follow(&search.pencil, view.image) else { continue };
             let [(_, length_near), (energy, length_far)] =
                 [0, 1].map(|sphere: usize| search.pair.part(sphere, &path.passed[sphere]));
-            let part = energy * (1.0 - search.share(&path, lights.solid_angle(light)));
+            let part = energy * search.share_of_rays(&path, sun);
             let brings = Brings::Light(Contribution {
                 slot: lights.slot_of(light),
                 glint: true,
@@ -351,7 +295,7 @@ impl Seeker<'_> {
         (search, begins): (&PairSearch, &Begins),
         state: &PathState,
     ) {
-        let (lights, Sun { light, towards }) = (&self.search.lights, begins.sun);
+        let (lights, light) = (&self.search.lights, begins.sun.light);
         let random = numbers(begins.key, SUN).map(f64::from);
         let from = search.pair.visits[1].center;
         let Some(sample) = lights.sample_light(light, from, random) else { return };
@@ -361,9 +305,10 @@ impl Seeker<'_> {
         }
         let [(energy_near, length_near), (energy_far, length_far)] =
             [0, 1].map(|sphere: usize| search.pair.part(sphere, &path.passed[sphere]));
-        let shared = energy_near * energy_far * search.share(&path, lights.solid_angle(light));
+        let share = search.share(&path, &begins.sun, begins.look);
+        let shared = energy_near * energy_far * share;
         let density = path.solid_angle() * search.edge * search.edge * sample.pdf;
-        let kept = search.kept(&path);
+        let kept = search.kept(&path, &begins.sun, begins.look);
         if f64::from(numbers(begins.key, KEPT)[0]) >= kept {
             return;
         }
@@ -382,8 +327,9 @@ impl Seeker<'_> {
             search: *search,
             first: (first.center, first.radius),
             window: begins.window,
-            towards,
-            sun: sample.direction,
+            look: begins.look,
+            sun: begins.sun,
+            towards: sample.direction,
             path,
             successes: (brightness / BRIGHTNESS_PER_SUCCESS).clamp(1.0, MOST_SUCCESSES) as u32,
             key: PathKey { lo: begins.key.lo ^ TRIAL, ..begins.key },
@@ -478,7 +424,7 @@ impl Trials<'_> {
     /// The next random place of the window that is kept and from which the search leads to the solution, and how its
     /// ray passes the first grain.
     fn next_start(&mut self) -> ([f64; 2], Passed) {
-        let PairSolution { search, window, towards, sun, path, key, .. } = self.solution;
+        let PairSolution { search, window, look, towards, sun, path, key, .. } = self.solution;
         loop {
             let [x, y, chosen] = numbers(*key, self.count).map(f64::from);
             self.count += 1;
@@ -489,10 +435,10 @@ impl Trials<'_> {
                 continue;
             }
             let Some(began) = search.pair.pass_second(&between) else { continue };
-            if chosen >= comes * search.probability(&began, *towards) {
+            if chosen >= comes * search.probability(&began, sun, *look) {
                 continue;
             }
-            let is_it = search.solve(start, *sun).is_some_and(|found| {
+            let is_it = search.solve(start, *towards).is_some_and(|found| {
                 let apart = [0, 1].map(|axis: usize| (found.at[axis] - path.at[axis]).abs());
                 apart[0].max(apart[1]) < SAME * search.edge
             });
