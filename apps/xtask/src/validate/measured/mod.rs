@@ -1,23 +1,20 @@
 //! Measured albedo of fresh snow: one radius is fitted, everything else predicted, by spheres and by shapes.
 
+mod fit;
+mod one_size;
+
 use super::Bench;
 use crate::figure::{Axis, Figure, Series};
 use crate::report::{Comparison, Section};
 use crate::table::Table;
-use anyhow::{Context as _, Result};
+use anyhow::Result;
+use fit::{DENSITY, FITTED, FITTED_MM, fit, predicted};
 
-/// Assumed of the fresh snow, kg/m^3.
-const DENSITY: f64 = 100.0;
 /// Others, to show what the assumption does.
 const OTHER_DENSITIES: [f64; 2] = [70.0, 150.0];
-/// The wavelength of the fit, nm, at which the depth of 34 cm is no less than infinite.
-const FITTED: &str = "1100";
-const DEEP_MM: &str = "340";
 
 /// What the grains are: smooth spheres, and shapes of natural snow, which were chosen by their B and g alone.
 const SHAPES: [&str; 2] = ["spheres", "faceted"];
-/// Radii among which the fitted one is sought, um.
-const RADII_UM: &str = "40um:200um:10um";
 
 pub(super) fn section(bench: &Bench) -> Result<Section> {
     let mut section = Section::new("Measured albedo of fresh snow");
@@ -49,28 +46,8 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
         draw(bench, (&measured, shapes), &found, &file)?;
         section.figure(&file, &format!("Measured and predicted albedo of fresh snow, {shapes}"));
     }
+    one_size::compare(bench, &mut section, &measured)?;
     Ok(section)
-}
-
-/// The radius, um: between the two of a series whose albedos are on either side of the measured one.
-fn fit(bench: &Bench, section: &mut Section, (measured, shapes): (&Table, &str)) -> Result<f64> {
-    let wanted = [("depth_mm", DEEP_MM), ("wavelength_nm", FITTED)];
-    let target = measured.find(&wanted)?.number("albedo")?;
-    let command = format!(
-        "optics albedo --method homogeneous --shapes {shapes} --radius {RADII_UM} --density {DENSITY} \
-         --depth {DEEP_MM}mm --wavelengths {FITTED} --stderr {} --quiet",
-        bench.choose(0.0005, 0.001)
-    );
-    let table = bench.table(section, &command)?;
-    let points: Result<Vec<[f64; 2]>> =
-        table.rows().map(|row| Ok([row.number("radius_um")?, row.number("R")?])).collect();
-    let points = points?;
-    let pair = points.windows(2).find(|pair| pair[0][1] >= target && pair[1][1] < target);
-    let [[low, above], [high, below]] = *pair.context("no radius of the series has the albedo")?
-    else {
-        unreachable!("windows are pairs");
-    };
-    Ok(low + (high - low) * (above - target) / (above - below))
 }
 
 /// All depths and wavelengths, at all densities.
@@ -93,14 +70,6 @@ fn predict(
     bench.table(section, &command)
 }
 
-fn predicted(found: &Table, density: f64, depth_mm: &str, wavelength: &str) -> Result<f64> {
-    let depth = format!("{}", 1e-3 * depth_mm.parse::<f64>()?);
-    let density = density.to_string();
-    let wanted =
-        [("density_kg_m3", density.as_str()), ("depth_m", &depth), ("wavelength_nm", wavelength)];
-    found.find(&wanted)?.number("R")
-}
-
 fn compare(section: &mut Section, (measured, shapes): (&Table, &str), found: &Table) -> Result<()> {
     let mut rows = Vec::new();
     for depth in measured.distinct("depth_mm")? {
@@ -109,7 +78,7 @@ fn compare(section: &mut Section, (measured, shapes): (&Table, &str), found: &Ta
         for row in measured.rows().filter(|row| row.has(&[("depth_mm", &depth)])) {
             let (nm, albedo) = (row.text("wavelength_nm")?, row.number("albedo")?);
             let here = predicted(found, DENSITY, &depth, nm)?;
-            let fitted = depth == DEEP_MM && nm == FITTED;
+            let fitted = depth == FITTED_MM && nm == FITTED;
             if !fitted {
                 comparison.compare(&format!("{nm} nm"), here, albedo, 0.03);
             }
