@@ -10,21 +10,28 @@ pub(super) const DENSITY: f64 = 100.0;
 /// The wavelength of the fit, nm, at which the depth of 34 cm is no less than infinite.
 pub(super) const FITTED: &str = "1100";
 pub(super) const FITTED_MM: &str = "340";
-/// Radii among which the fitted one is sought, um.
-const RADII_UM: &str = "40um:200um:10um";
+
+/// Radii among which one is sought.
+pub(super) struct Radii {
+    /// From, to, step.
+    pub(super) series: &'static str,
+    /// Standard error of their albedos.
+    pub(super) stderr: f64,
+}
 
 /// The radius, um: between the two of a series whose albedos are on either side of the measured one.
 pub(super) fn fit(
     bench: &Bench,
     section: &mut Section,
     (measured, shapes): (&Table, &str),
+    Radii { series, stderr }: &Radii,
 ) -> Result<f64> {
     let wanted = [("depth_mm", FITTED_MM), ("wavelength_nm", FITTED)];
     let target = measured.find(&wanted)?.number("albedo")?;
     let command = format!(
-        "optics albedo --method homogeneous --shapes {shapes} --radius {RADII_UM} --density {DENSITY} \
+        "optics albedo --method homogeneous --shapes {shapes} --radius {series} --density {DENSITY} \
          --depth {FITTED_MM}mm --wavelengths {FITTED} --stderr {} --quiet",
-        bench.choose(0.0005, 0.001)
+        bench.choose(*stderr, 2.0 * stderr)
     );
     let table = bench.table(section, &command)?;
     let points: Result<Vec<[f64; 2]>> =

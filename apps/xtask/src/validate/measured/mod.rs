@@ -8,13 +8,14 @@ use crate::figure::{Axis, Figure, Series};
 use crate::report::{Comparison, Section};
 use crate::table::Table;
 use anyhow::Result;
-use fit::{DENSITY, FITTED, FITTED_MM, fit, predicted};
+use fit::{DENSITY, FITTED, FITTED_MM, Radii, fit, predicted};
 
 /// Others, to show what the assumption does.
 const OTHER_DENSITIES: [f64; 2] = [70.0, 150.0];
 
 /// What the grains are: smooth spheres, and shapes of natural snow, which were chosen by their B and g alone.
 const SHAPES: [&str; 2] = ["spheres", "faceted"];
+const RADII: Radii = Radii { series: "40um:200um:10um", stderr: 0.0005 };
 
 pub(super) fn section(bench: &Bench) -> Result<Section> {
     let mut section = Section::new("Measured albedo of fresh snow");
@@ -29,7 +30,7 @@ pub(super) fn section(bench: &Bench) -> Result<Section> {
     ));
     let measured = bench.reference("measured_albedo.csv")?;
     for shapes in SHAPES {
-        let radius_um = fit(bench, &mut section, (&measured, shapes))?;
+        let radius_um = fit(bench, &mut section, (&measured, shapes), &RADII)?;
         let surface = match shapes {
             "spheres" => {
                 format!(", a specific surface area of {:.1} m^2/kg", 3e6 / (917.0 * radius_um))

@@ -1,7 +1,7 @@
 //! How far the shape of grains moves the albedo where light does not reach the ground: whether any snow of grains of one
 //! size could be as dark there as thin packs were measured.
 
-use super::fit::{DENSITY, FITTED_MM, fit, predicted};
+use super::fit::{DENSITY, FITTED_MM, Radii, fit, predicted};
 use crate::report::{Comparison, Section};
 use crate::table::Table;
 use crate::validate::Bench;
@@ -16,6 +16,8 @@ const SHAPES: [(&str, &str); 6] = [
     ("cubes", "shape = \"cube\""),
     ("lenses", "shape = \"spheroid\"\naspect = 0.3"),
 ];
+/// Thin plates let much light straight through, so that theirs is the largest radius.
+const RADII: Radii = Radii { series: "60um:600um:20um", stderr: 0.001 };
 /// The wavelength, nm.
 const OPAQUE: &str = "1300";
 /// The pack through which light does not pass there, and which is thin elsewhere.
@@ -48,7 +50,7 @@ pub(super) fn compare(bench: &Bench, section: &mut Section, measured: &Table) ->
                 file
             }
         };
-        let radius_um = fit(bench, section, (measured, &shapes))?;
+        let radius_um = fit(bench, section, (measured, &shapes), &RADII)?;
         let command = format!(
             "optics albedo --method homogeneous --shapes {shapes} --radius {radius_um:.2}um --density {DENSITY} \
              --depth {FITTED_MM}mm,{THIN_MM}mm --wavelengths {OPAQUE} --stderr {} --quiet",
