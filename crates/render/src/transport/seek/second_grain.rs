@@ -14,8 +14,8 @@
 //! They are found by Newton's steps from where a path began that came to B by way of A after p chords. Its place x is
 //! anywhere in a window W around it (as in `first_grain`), it took the p chords with the probability E_p(x), and it
 //! is searched with a probability s(x) that falls where its own ray leaves far from the sun
-//! ([`PairSearch::probability`]). So a place that the steps lead to is divided by the area of W, by which the chance
-//! goes that W holds it, and by P, the mean over W of E_p s where rays meet first A and then B and from where the steps
+//! ([`PairSearch::probability`]), and many times where it leaves close to it ([`super::pair_search`]). So a place
+//! that the steps lead to is divided by the area of W, by which the chance goes that W holds it, and by P, the mean over W of E_p s where rays meet first A and then B and from where the steps
 //! lead to the same place, else of 0: in the mean over paths, what stands for it is f L / (g J). The inverse of P is on
 //! average the number of random places of W until one is kept, with the probability E_p s, and fulfils that (Zeltner,
 //! Georgiev and Jakob 2020, section 4.2), or until k do, over k. To divide by E_p s where the path began instead would
