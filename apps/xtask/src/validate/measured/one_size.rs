@@ -16,7 +16,7 @@ const SHAPES: [(&str, &str); 6] = [
     ("cubes", "shape = \"cube\""),
     ("lenses", "shape = \"spheroid\"\naspect = 0.3"),
 ];
-/// Thin plates let much light straight through, so that theirs is the largest radius.
+/// Wide enough for cubes, which have the largest radius of these shapes.
 const RADII: Radii = Radii { series: "60um:600um:20um", stderr: 0.001 };
 /// The wavelength, nm.
 const OPAQUE: &str = "1300";
@@ -79,7 +79,8 @@ pub(super) fn compare(bench: &Bench, section: &mut Section, measured: &Table) ->
         .distinct("depth_mm")?
         .into_iter()
         .map(|depth| format!("by that measured, {depth} mm"));
-    let heads: Vec<String> = ["shape", "fitted radius, um", "albedo, deep", "albedo, 45 mm"]
+    let thin = format!("albedo, {THIN_MM} mm");
+    let heads: Vec<String> = ["shape", "fitted radius, um", "albedo, deep", &thin]
         .map(str::to_owned)
         .into_iter()
         .chain(differences)

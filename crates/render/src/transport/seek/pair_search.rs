@@ -159,6 +159,7 @@ impl PairSearch {
         of(Look::Wide) + Look::CLOSE.into_iter().map(of).sum::<f64>()
     }
 
+    /// The same by one search of a kind, of which none is certain to be begun.
     fn found(&self, path: &PairPath, sun: &Sun, look: Look) -> f64 {
         let part = TYPICAL_PART * self.close_part(path, sun, look);
         let per_path = part * self.kept(path, sun, look) / self.paths();
@@ -182,6 +183,7 @@ impl PairSearch {
         path.solid_angle() * self.edge * self.edge
     }
 
+    /// The same by the ray itself, which comes to the second grain with this probability.
     fn itself(&self, path: &PairPath) -> f64 {
         self.pair.part(0, &path.passed[0]).0
     }
@@ -191,6 +193,7 @@ impl PairSearch {
 mod tests {
     use super::*;
     use snowgrain_math::sampler::{PathKey, numbers};
+    use snowgrain_math::{frame, trig};
     use snowgrain_optics::{Dielectric, SphereVisit};
 
     const ALL: [Look; 3] = [Look::Wide, Look::Close(0), Look::Close(1)];
@@ -237,8 +240,8 @@ mod tests {
             let direction = path.passed[1].direction;
             for degrees in [0.53, 2.0, 5.0, 30.0] {
                 // The ray leaves into the sun's rim.
-                let aside = snowgrain_math::frame::tangents(direction).0;
-                let (sin, cos) = trig_of(0.5 * degrees);
+                let aside = frame::tangents(direction).0;
+                let (sin, cos) = trig::sin_cos(f64::to_radians(0.5 * degrees));
                 let sun = sun(direction * cos + aside * sin, degrees);
                 let part = |look: Look| look.times(&sun) * search.share(&path, &sun, look);
                 let parts = ALL.map(part);
@@ -264,9 +267,5 @@ mod tests {
         for look in Look::CLOSE {
             assert_eq!(search.looks(&path.passed, &away, look), 0.0);
         }
-    }
-
-    fn trig_of(degrees: f64) -> (f64, f64) {
-        snowgrain_math::trig::sin_cos(degrees.to_radians())
     }
 }
