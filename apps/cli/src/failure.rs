@@ -116,9 +116,9 @@ impl From<RenderError> for Failure {
     fn from(error: RenderError) -> Self {
         let message = error.to_string();
         let code = match error {
-            RenderError::Snow { source, .. } | RenderError::Layer(source) => {
-                Self::from(source).code
-            }
+            RenderError::Snow { source, .. }
+            | RenderError::Layer(source)
+            | RenderError::Calibration { source } => Self::from(source).code,
             RenderError::Grid(_) | RenderError::Memory { .. } | RenderError::Enclosed { .. } => {
                 exit::REFUSED
             }

@@ -70,7 +70,7 @@ impl Comparison {
 
 /// A part of the report.
 pub(crate) struct Section {
-    pub(crate) title: &'static str,
+    title: &'static str,
     /// Paragraphs, tables and figures, in Markdown.
     blocks: Vec<String>,
     commands: Vec<String>,
@@ -113,8 +113,18 @@ impl Section {
         self.comparisons.iter().all(|comparison| comparison.passed() || comparison.only_told())
     }
 
-    fn write(&self, text: &mut String) {
-        let _ = writeln!(text, "\n## {}\n", self.title);
+    /// As it stands in a report.
+    pub(crate) fn written(&self) -> WrittenSection {
+        let row = |comparison: &Comparison| format!("| {} | {}", self.title, comparison.row());
+        WrittenSection {
+            title: self.title.to_owned(),
+            rows: self.comparisons.iter().map(row).collect(),
+            text: self.text(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
         for block in &self.blocks {
             let _ = writeln!(text, "{block}\n");
         }
@@ -136,28 +146,83 @@ impl Section {
             }
             let _ = writeln!(text, "```\n\n</details>");
         }
+        text
     }
 }
 
+/// A section as it stands in a report.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WrittenSection {
+    title: String,
+    /// Its lines in the table of all comparisons.
+    rows: Vec<String>,
+    /// What is below its title.
+    text: String,
+}
+
+const HEADS: &str = "| section | comparison | lines | worst deviation | tolerance | result |\n|---|---|---|---|---|---|\n";
+
 /// The whole report: all comparisons first, then the sections.
-pub(crate) fn markdown(title: &str, introduction: &str, sections: &[Section]) -> String {
-    let mut text = format!("# {title}\n\n{introduction}\n");
-    text.push_str("| section | comparison | lines | worst deviation | tolerance | result |\n");
-    text.push_str("|---|---|---|---|---|---|\n");
-    for section in sections {
-        for comparison in &section.comparisons {
-            let _ = writeln!(text, "| {} | {}", section.title, comparison.row());
-        }
+pub(crate) fn markdown(title: &str, introduction: &str, sections: &[WrittenSection]) -> String {
+    let mut text = format!("# {title}\n\n{introduction}\n{HEADS}");
+    for row in sections.iter().flat_map(|section| &section.rows) {
+        let _ = writeln!(text, "{row}");
     }
-    for section in sections {
-        section.write(&mut text);
+    for WrittenSection { title, text: below, .. } in sections {
+        let _ = write!(text, "\n## {title}\n\n{below}");
     }
     text
+}
+
+/// The sections of such a report.
+pub(crate) fn sections_of(report: &str) -> Vec<WrittenSection> {
+    let mut parts = report.split("\n## ");
+    let table = parts.next().and_then(|head| head.split_once(HEADS)).map_or("", |(_, rows)| rows);
+    let section = |part: &str| {
+        let (title, text) = part.split_once("\n\n").unwrap_or((part, ""));
+        let begins = format!("| {title} | ");
+        let rows = table.lines().filter(|row| row.starts_with(&begins)).map(str::to_owned);
+        WrittenSection { title: title.to_owned(), rows: rows.collect(), text: text.to_owned() }
+    };
+    parts.map(section).collect()
+}
+
+/// Puts a section into the place of that of its title, or after all others.
+pub(crate) fn put(sections: &mut Vec<WrittenSection>, made: WrittenSection) {
+    match sections.iter_mut().find(|section| section.title == made.title) {
+        Some(place) => *place = made,
+        None => sections.push(made),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What is read of a report writes the same report, and one section takes the place of that of its title.
+    #[test]
+    fn a_report_is_read_back_and_a_section_put_in_its_place() {
+        let section = |title, figure: f64| {
+            let mut comparison = Comparison::new("it", ".1");
+            comparison.compare("near", figure, 1.0, 0.1);
+            let mut section = Section::new(title);
+            section.say(format!("A figure is {figure}."));
+            section.command("snowgrain measure".to_owned());
+            section.add(comparison);
+            section.written()
+        };
+        let sections = vec![section("One", 1.0), section("Two", 1.5), section("Three", 1.02)];
+        let report = markdown("Figures", "Of all kinds.\n", &sections);
+        let mut read = sections_of(&report);
+        assert_eq!(read, sections);
+        assert_eq!(markdown("Figures", "Of all kinds.\n", &read), report);
+        put(&mut read, section("Two", 1.05));
+        put(&mut read, section("Four", 1.0));
+        let titles: Vec<&str> = read.iter().map(|section| &*section.title).collect();
+        assert_eq!(titles, ["One", "Two", "Three", "Four"]);
+        let merged = markdown("Figures", "Of all kinds.\n", &read);
+        assert!(merged.contains("1.05") && !merged.contains("FAIL"), "{merged}");
+    }
 
     #[test]
     fn what_lies_without_two_bounds_fails() {

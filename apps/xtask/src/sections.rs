@@ -1,6 +1,6 @@
 //! A report that is made section by section.
 
-use crate::report::{Section, markdown};
+use crate::report::{Section, markdown, put, sections_of};
 use anyhow::{Context as _, Result, ensure};
 use std::path::Path;
 
@@ -16,21 +16,25 @@ pub(crate) fn check_names<Bench>(known: &[Named<Bench>], wanted: &[String]) -> R
 }
 
 /// Makes the sections that are wanted, all where none is named, and writes the report to a file after each, so
-/// that what is known so far is there at any time; false where a line that is judged fails.
+/// that what is known so far is there at any time; false where a line that is judged fails. Where some are named the
+/// others stay as the file has them.
 pub(crate) fn write<Bench>(
     known: &[Named<Bench>],
     wanted: &[String],
     bench: &Bench,
     (file, title, introduction): (&Path, &str, &str),
 ) -> Result<bool> {
-    let mut sections = Vec::new();
+    let old = if wanted.is_empty() { None } else { std::fs::read_to_string(file).ok() };
+    let mut sections = old.map_or_else(Vec::new, |report| sections_of(&report));
+    let mut passed = true;
     for (name, make) in known {
         if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
             let section = make(bench).with_context(|| (*name).to_owned())?;
             println!("{name}: {}", if section.passed() { "pass" } else { "FAIL" });
-            sections.push(section);
+            passed &= section.passed();
+            put(&mut sections, section.written());
             std::fs::write(file, markdown(title, introduction, &sections))?;
         }
     }
-    Ok(sections.iter().all(Section::passed))
+    Ok(passed)
 }

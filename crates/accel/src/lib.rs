@@ -19,8 +19,8 @@ pub use flight::{
     Outgoing, Passage, Probe, ProbeAnswer, Probes, ShapedArrival,
 };
 pub use grain_grid::{
-    Extent, GrainGrid, GrainParts, GridError, GridPosition, Interior, LatticeCell, Packing,
-    ShapedGrains, SizesPerVolume, TiledGrains, tile_divisor,
+    Extent, GrainGrid, GrainParts, GridError, GridGrain, GridPosition, Interior, LatticeCell,
+    Packing, ShapedGrains, SizesPerVolume, TiledGrains, tile_divisor,
 };
 pub use grain_stacks::{
     Fall, FallHit, GrainSlot, GrainStacks, GrainStacksError, PlanRectangle, Quad, RegionEdge,

@@ -357,6 +357,14 @@ pub enum IntegratorKind {
     ProxyInDepth(ProxyStart),
 }
 
+impl IntegratorKind {
+    /// Whether grains are met as the proxy, everywhere or deep in the snow.
+    #[must_use]
+    pub fn is_proxy(&self) -> bool {
+        matches!(self, Self::Medium(MediumKind::Proxy) | Self::ProxyInDepth(_))
+    }
+}
+
 /// How light is found by paths among grains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum LightFinding {

@@ -20,6 +20,15 @@ pub enum RenderError {
     /// A layer of the laboratory cannot be made of grains.
     #[error("{0}")]
     Layer(#[from] GrainsError),
+    /// Snow of which no slab can be made, with which what stands for it would be compared.
+    #[error(
+        "integrator: the proxy is measured on a slab of such snow, but none can be made: {source}; follow light from grain to \
+         grain, or use deep = \"learnt\""
+    )]
+    Calibration {
+        /// Why.
+        source: GrainsError,
+    },
     /// Snow cannot be packed for light.
     #[error("{0}")]
     Grid(#[from] GridError),

@@ -1,5 +1,6 @@
 //! A scene that light can travel through.
 
+mod calibrated;
 mod quantisation;
 mod tiled;
 
@@ -17,6 +18,7 @@ use crate::transport::deep::{LearntStore, OutcomeField};
 use crate::transport::medium::{Medium, ProxyInDepth};
 use crate::transport::seek::LightSearch;
 use crate::{RenderError, World};
+use calibrated::calibrated;
 use quantisation::{check_sizes, quantisation_of};
 use snowgrain_accel::{GrainGrid, SimdLevel, SurfaceShape, Surfaces};
 use snowgrain_film::{FilmError, GLINTS, LightLayerNames};
@@ -177,7 +179,7 @@ impl Scene {
     /// If the machine does not have the level.
     pub fn build_keeping(
         description: &SceneDescription,
-        (level, store): (SimdLevel, Option<LearntStore<'_>>),
+        (level, mut store): (SimdLevel, Option<LearntStore<'_>>),
         stage: &mut dyn FnMut(BuildStage),
     ) -> Result<Self, RenderError> {
         let slots = slots_of(&description.lights, description.camera.backdrop);
@@ -215,7 +217,11 @@ impl Scene {
             IntegratorKind::Grains | IntegratorKind::ProxyInDepth(_) => None,
             IntegratorKind::Medium(kind) => {
                 let looks = description.light_finding != LightFinding::Exact;
-                let medium = Medium::new(kind, (&world, &lit.shapes), (&lights, looks));
+                let snowy = (&world, &*lit.shapes, &*prototypes);
+                let medium = Medium::new(kind, snowy, (&lights, looks));
+                let bodies = (&*description.snow, &*report.snow);
+                let known = |medium| calibrated(medium, bodies, store.as_mut(), stage);
+                let medium = medium.map(known).transpose()?;
                 let places: Vec<Place> = lit.shapes.iter().map(Place::new).collect();
                 let ice = &grade.colours()[0];
                 medium.map(|medium| medium.glowing((&world, &places), ice, film.seed))
@@ -224,7 +230,11 @@ impl Scene {
         let proxy = match description.integrator {
             IntegratorKind::Grains | IntegratorKind::Medium(_) => None,
             IntegratorKind::ProxyInDepth(start) => {
-                ProxyInDepth::new((&world, &lit.shapes), &lights, &start)
+                let snowy = (&world, &*lit.shapes, &*prototypes);
+                let bodies = (&*description.snow, &*report.snow);
+                let known = |medium| calibrated(medium, bodies, store.as_mut(), stage);
+                let looks = description.light_finding != LightFinding::Exact;
+                ProxyInDepth::new(snowy, (&lights, looks), &start, known)?
             }
         };
         let search = match (description.light_finding, description.integrator) {

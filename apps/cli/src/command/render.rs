@@ -248,7 +248,8 @@ fn learnt_folder<'a>(
     loaded: &LoadedScene,
 ) -> Result<Option<&'a Path>, Failure> {
     let Some(folder) = &arguments.learnt_cache else { return Ok(None) };
-    if loaded.description.deep.is_none() {
+    let LoadedScene { description, .. } = loaded;
+    if description.deep.is_none() && !description.integrator.is_proxy() {
         let what = "--learnt-cache is for light that is learnt; add --lod-error 0.01";
         return Err(Failure::usage(what));
     }

@@ -1,102 +1,224 @@
 //! What the proxy's grains differ by from real ones: measured on slabs.
 
 use anyhow::{Context as _, Result};
-use snowgrain_grains::{PackSettings, Radii};
-use snowgrain_render::measure::{PackedSlab, SlabMeasure, measure_slab, measure_slab_in_medium};
-use snowgrain_render::transport::medium::{CALIBRATION, Calibration, Medium, MediumKind};
+use snowgrain_geometry::{Shape, ShapeKind};
+use snowgrain_grains::{
+    Amount, DepositRule, DepositSettings, MixedShape, Orientation, PackSettings, Radii, ShapeMix,
+};
+use snowgrain_render::measure::{
+    CALIBRATION_PATHS, PackedSlab, SlabMeasure, calibrate_proxy, calibration_by, measure_slab,
+    measure_slab_in_medium,
+};
+use snowgrain_render::transport::medium::{Calibration, Medium, MediumKind};
 use std::fmt::Write as _;
+use std::sync::Arc;
 
-/// Radius of the grains, metres, and their relative index.
+/// Mean radius of the grains, metres.
 const RADIUS: f64 = 0.5e-3;
-const ETA: f64 = 1.31;
-/// kg/m^3.
+/// Relative indices of ice and of rock salt.
+const ICE: f64 = 1.31;
+const SALT: f64 = 1.544;
+/// kg/m^3: of equal spheres of ice, and of other grains.
 const DENSITIES: [f64; 4] = [150.0, 275.0, 400.0, 500.0];
+const OTHER_DENSITIES: [f64; 2] = [150.0, 300.0];
 /// Depth of the slabs, radii, and seed: of those by which is calibrated, and of those by which that is judged.
-pub(super) const CALIBRATING: (f64, u64) = (60.0, 11);
-pub(super) const JUDGING: (f64, u64) = (35.0, 12);
+const CALIBRATING: (f64, u64) = (60.0, 11);
+const JUDGING: (f64, u64) = (35.0, 12);
 /// Times that the part that passes straight is mended.
 const STEPS: u32 = 4;
 
+/// Grains of which slabs are made.
+struct Grains {
+    name: &'static str,
+    radii: Radii,
+    shapes: Vec<ShapeKind>,
+    eta: f64,
+    /// How it falls; `None`: as packs of its density.
+    rule: Option<DepositRule>,
+}
+
+impl Grains {
+    fn spheres() -> Self {
+        Self {
+            name: "equal spheres",
+            radii: Radii::equal(RADIUS),
+            shapes: Vec::new(),
+            eta: ICE,
+            rule: None,
+        }
+    }
+
+    /// Grains that are measured before a picture: sizes, shapes and indices.
+    fn others() -> Vec<Self> {
+        let spread = Radii::Uniform { mean: RADIUS, variation: 0.6 * RADIUS };
+        let plate = ShapeKind::HexagonalPrism { aspect: 0.3, rounding: 0.2 };
+        let column = ShapeKind::HexagonalPrism { aspect: 2.5, rounding: 0.0 };
+        let rounded = ShapeKind::RandomPolyhedron { faces: 14, seed: 1, rounding: 0.4 };
+        let rosette = ShapeKind::Rosette { arms: 4, aspect: 3.0, rounding: 0.0 };
+        let cube = ShapeKind::Cube { rounding: 0.2 };
+        let of =
+            |name, shapes: &[ShapeKind]| Self { name, shapes: shapes.to_vec(), ..Self::spheres() };
+        vec![
+            Self {
+                name: "spheres, `rule = \"ray\"`",
+                rule: Some(DepositRule::Ray),
+                ..Self::spheres()
+            },
+            Self {
+                name: "spheres, `rule = \"roll\"`",
+                rule: Some(DepositRule::Roll),
+                ..Self::spheres()
+            },
+            Self { name: "spheres, r 40 to 160 %", radii: spread.clone(), ..Self::spheres() },
+            of("plates", &[plate]),
+            of("columns", &[column]),
+            of("rosettes", &[rosette]),
+            Self {
+                radii: spread.clone(),
+                ..of("plates, columns, polyhedra, r 40 to 160 %", &[plate, column, rounded])
+            },
+            Self { radii: spread, eta: SALT, ..of("cubes of salt, r 40 to 160 %", &[cube]) },
+            Self { name: "spheres of salt", eta: SALT, ..Self::spheres() },
+        ]
+    }
+
+    fn mix(&self) -> Result<Option<ShapeMix>> {
+        if self.shapes.is_empty() {
+            return Ok(None);
+        }
+        let mixed = self.shapes.iter().map(|kind| {
+            let (shape, orientation) = (Arc::new(Shape::new(*kind)?), Orientation::Random);
+            anyhow::Ok(MixedShape { shape, orientation, fraction: 1.0 })
+        });
+        Ok(Some(ShapeMix::new(mixed.collect::<Result<_>>()?, 5)?))
+    }
+}
+
 /// A slab of one density, and what light does in it.
-pub(super) struct Calibrated {
+pub(super) struct Slab {
+    name: &'static str,
+    fell: Option<DepositSettings>,
+    /// Whether light may come back to the grain that it left.
+    is_hollow: bool,
     slab: PackedSlab,
     exact: SlabMeasure,
 }
 
-impl Calibrated {
-    pub(super) fn all(paths: u64, (depth, seed): (f64, u64)) -> Result<Vec<Self>> {
-        let slab = |density| {
-            let radii = Radii::Uniform { mean: RADIUS, variation: 0.0 };
-            let pack = PackSettings { radii, density, seed };
-            let slab = PackedSlab::new(&pack, (depth * RADIUS, ETA), (paths, seed))?;
-            let exact = measure_slab(&slab.world, &slab.settings);
-            Ok(Self { slab, exact })
+impl Slab {
+    fn new(grains: &Grains, density: f64, (depth, seed): (f64, u64), paths: u64) -> Result<Self> {
+        let (name, mix, radii) = (grains.name, grains.mix()?, grains.radii.clone());
+        let size = (depth * RADIUS, grains.eta);
+        let fell = grains.rule.map(|rule| DepositSettings {
+            // The slab has its own.
+            amount: Amount::Depth(RADIUS),
+            radii: radii.clone(),
+            density: None,
+            rule: Some(rule),
+            max_slope_degrees: 90.0,
+            area: None,
+            direction: DepositSettings::DOWN,
+            seed,
+        });
+        let slab = match &fell {
+            Some(snowfall) => PackedSlab::fallen((snowfall, mix.as_ref()), size, (paths, seed))?,
+            None => {
+                let pack = PackSettings { radii, density, seed };
+                PackedSlab::new((&pack, mix.as_ref()), size, (paths, seed))?
+            }
         };
-        DENSITIES.into_iter().map(slab).collect()
+        let exact = measure_slab(&slab.world, &slab.settings);
+        let is_hollow = slab.prototypes.iter().any(|shape| shape.parts().len() > 1);
+        Ok(Self { name, fell, is_hollow, slab, exact })
     }
 
-    fn with(&self, kind: MediumKind, table: &[Calibration]) -> Result<SlabMeasure> {
-        let medium = Medium::in_the_dark(kind, &self.slab.world, table);
-        let medium = medium.context("a slab holds grains")?;
-        Ok(measure_slab_in_medium(&self.slab.world, &medium, &self.slab.settings))
+    /// Those by which the proxy is judged: of equal spheres of ice, or of other grains.
+    pub(super) fn judging(paths: u64, of_others: bool) -> impl Iterator<Item = Result<Self>> {
+        let (grains, densities) = match of_others {
+            false => (vec![Grains::spheres()], DENSITIES.to_vec()),
+            true => (Grains::others(), OTHER_DENSITIES.to_vec()),
+        };
+        grains.into_iter().flat_map(move |grains| {
+            // A rule has a density of its own.
+            let count = if grains.rule.is_some() { 1 } else { densities.len() };
+            let slab = |density: &f64| Self::new(&grains, *density, JUDGING, paths);
+            densities[..count].iter().map(slab).collect::<Vec<_>>()
+        })
     }
 
-    /// The part that passes straight by which as much light comes through.
-    pub(super) fn solve(&self) -> Result<Calibration> {
-        let mut calibration = Calibration { solid: self.slab.solid_fraction, straight: 0.0 };
-        // The way that light takes to come through grows as the grains that turn it: 1/T less about one.
-        let way = |measure: &SlabMeasure| 1.0 / measure.transmittance.mean - 1.072;
-        for _ in 0..STEPS {
-            let found = self.with(MediumKind::Proxy, &[calibration])?;
-            calibration.straight =
-                1.0 - (1.0 - calibration.straight) * way(&self.exact) / way(&found);
-        }
-        Ok(calibration)
+    /// What the medium does, with the calibration that a picture has; and that.
+    fn with(&self, kind: MediumKind) -> Result<(SlabMeasure, Option<Calibration>)> {
+        let PackedSlab { world, prototypes, settings, .. } = &self.slab;
+        let medium =
+            Medium::in_the_dark(kind, (world, prototypes)).context("a slab holds grains")?;
+        let snow = medium.inner_snow(self.fell.clone())?.filter(|snow| !snow.is_known());
+        let measured = snow.map(|snow| calibrate_proxy(&snow, CALIBRATION_PATHS)).transpose()?;
+        let medium = match measured {
+            Some(measured) => medium.calibrated(&Calibration::table_through(measured)),
+            None => medium,
+        };
+        Ok((measure_slab_in_medium(world, &medium, settings), measured))
     }
 
-    /// Whether the proxy visits as many grains, and travels as far in ice, but for this part and three standard errors.
-    pub(super) fn keeps_visits(&self, part: f64) -> Result<bool> {
-        let found = self.with(MediumKind::Proxy, &CALIBRATION)?;
-        let visits = found.grain_visits.mean / (2.0 * self.slab.tau);
-        let noise = 3.0 * found.grain_visits.standard_error / (2.0 * self.slab.tau);
-        let ice = found.ice_path.mean / self.exact.ice_path.mean;
-        let exact = self.exact.ice_path;
-        let of_ice = noise + 3.0 * exact.standard_error / exact.mean;
-        Ok((visits - 1.0).abs() <= part + noise && (ice - 1.0).abs() <= part + of_ice)
-    }
-
-    /// A line of the table of what is left.
-    pub(super) fn row(&self) -> Result<String> {
-        let [exact, proxy, volume] = [
-            self.exact.clone(),
-            self.with(MediumKind::Proxy, &CALIBRATION)?,
-            self.with(MediumKind::Volume, &CALIBRATION)?,
-        ];
-        let mut row = format!("| {:.3} | {:.1} |", self.slab.solid_fraction, self.slab.tau);
-        for measure in [&exact, &proxy, &volume] {
-            let visits = measure.grain_visits;
-            let ice = measure.ice_path.mean / self.exact.ice_path.mean;
+    /// A line of the table of what is left, and whether the proxy visits as many grains, unless they are hollow, and travels as far in
+    /// ice, but for this part and three standard errors.
+    pub(super) fn row(&self, part: f64, with_volume: bool) -> Result<(String, bool)> {
+        let (proxy, measured) = self.with(MediumKind::Proxy)?;
+        let exact = &self.exact;
+        let solid = self.slab.solid_fraction;
+        let mut row = match measured {
+            None => format!("| {solid:.3} | {:.1} | {} |", self.slab.tau, transmittance(exact)),
+            Some(Calibration { straight, .. }) => format!(
+                "| {} | {solid:.3} | {:.1} % | {} |",
+                self.name,
+                100.0 * straight,
+                transmittance(exact)
+            ),
+        };
+        let mut write = |measure: &SlabMeasure| {
+            let [visits, ice] = self.ratios(measure);
+            let (ratio, error) = visits;
             write!(
                 row,
-                " {:.4} ({:.4}) | {:.3} ({:.3}) | {:.3} |",
-                measure.transmittance.mean,
-                measure.transmittance.standard_error,
-                visits.mean / (2.0 * self.slab.tau),
-                visits.standard_error / (2.0 * self.slab.tau),
-                ice,
-            )?;
+                " {} | {ratio:.3} ({error:.3}) | {:.3} ({:.3}) |",
+                transmittance(measure),
+                ice.0,
+                ice.1
+            )
+        };
+        write(&proxy)?;
+        if with_volume {
+            write(&self.with(MediumKind::Volume)?.0)?;
         }
         row.push('\n');
-        Ok(row)
+        let [visits, ice] = self.ratios(&proxy);
+        let is_near = |(ratio, error): (f64, f64)| (ratio - 1.0).abs() <= part + 3.0 * error;
+        Ok((row, is_near(ice) && (self.is_hollow || is_near(visits))))
     }
+
+    /// Grains visited and length in ice over those of exact light, with standard errors.
+    fn ratios(&self, found: &SlabMeasure) -> [(f64, f64); 2] {
+        let exact = &self.exact;
+        let pairs = [(found.grain_visits, exact.grain_visits), (found.ice_path, exact.ice_path)];
+        pairs.map(|(found, exact)| {
+            let relative = [found, exact].map(|of| of.standard_error / of.mean);
+            let error = (relative[0] * relative[0] + relative[1] * relative[1]).sqrt();
+            (found.mean / exact.mean, error)
+        })
+    }
+}
+
+fn transmittance(measure: &SlabMeasure) -> String {
+    let of = measure.transmittance;
+    format!("{:.4} ({:.4})", of.mean, of.standard_error)
 }
 
 /// Prints the table of the code.
 pub(super) fn print(paths: u64) -> Result<()> {
-    println!("    Calibration {{ solid: 0.0, straight: 0.0 }},");
-    for slab in Calibrated::all(paths, CALIBRATING)? {
-        let Calibration { solid, straight } = slab.solve()?;
-        println!("    Calibration {{ solid: {solid:.3}, straight: {straight:.3} }},");
+    println!("    Calibration {{ solid: 0.0, straight: 0.0, ice: 1.0 }},");
+    for density in DENSITIES {
+        let Slab { slab, exact, .. } = Slab::new(&Grains::spheres(), density, CALIBRATING, paths)?;
+        let Calibration { solid, straight, .. } = calibration_by(&slab, &exact, STEPS);
+        println!("    Calibration {{ solid: {solid:.3}, straight: {straight:.3}, ice: 1.0 }},");
     }
     Ok(())
 }

@@ -58,14 +58,15 @@ impl Road {
         }
     }
 
-    /// Whether it is measured in a case: some know skies alone, and where snow is deepest others than deep roads tell nothing new.
+    /// Whether it is measured in a case: some know spheres alone, and where snow is deepest others than deep roads tell nothing new.
     pub(super) fn knows(self, Case { body, light }: Case) -> bool {
         let is_deep =
             matches!(self, Self::Exact | Self::Learnt | Self::ProxyInDepth | Self::Shells);
-        if body == Body::Deepest {
-            return is_deep && light == Light::Overcast;
+        match body {
+            Body::Deepest => is_deep && light == Light::Overcast,
+            Body::Crystals => !matches!(self, Self::Volume | Self::Dipole),
+            Body::Deep | Body::Fallen | Body::Thin | Body::Ball => true,
         }
-        !matches!(self, Self::ProxyInDepth | Self::Shells) || light == Light::Overcast
     }
 }
 
@@ -107,17 +108,22 @@ impl Light {
 pub(super) enum Body {
     Deep,
     Deepest,
+    Fallen,
+    Crystals,
     Thin,
     Ball,
 }
 
 impl Body {
-    pub(super) const ALL: [Self; 4] = [Self::Deep, Self::Deepest, Self::Thin, Self::Ball];
+    pub(super) const ALL: [Self; 6] =
+        [Self::Deep, Self::Deepest, Self::Fallen, Self::Crystals, Self::Thin, Self::Ball];
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Deep => "5 cm deep",
             Self::Deepest => "20 cm deep",
+            Self::Fallen => "5 cm that fell (`rule = \"ray\"`)",
+            Self::Crystals => "5 cm of plates and columns",
             Self::Thin => "5 mm on dark ground",
             Self::Ball => "ball 2 cm across",
         }
@@ -125,19 +131,31 @@ impl Body {
 
     fn tables(self) -> String {
         let snow = "radius = 0.0005\ndensity = 275\n";
-        let block = |depth: f64, width: f64| {
+        let seen = |depth: f64, width: f64| {
             let middle = 0.5 * width;
             format!(
                 "[camera]\nkind = \"orthographic\"\nfrom = [{middle}, {}, {}]\nat = [{middle}, {depth}, {middle}]\n\
-                 height = 0.032\n[[object]]\nshape = \"plane\"\nalbedo = 0.03\n\
-                 [[snow]]\nsource = \"pack\"\nbox = [0, 0, 0, {width}, {depth}, {width}]\n{snow}",
+                 height = 0.032\n[[object]]\nshape = \"plane\"\nalbedo = 0.03\n[[snow]]\nradius = 0.0005\n",
                 depth + 0.08,
                 middle + 0.1,
             )
         };
+        let block = |depth: f64, width: f64| {
+            let body = format!("box = [0, 0, 0, {width}, {depth}, {width}]");
+            format!("{}source = \"pack\"\ndensity = 275\n{body}\n", seen(depth, width))
+        };
         match self {
             Self::Deep => block(0.05, 0.08),
             Self::Deepest => block(0.2, 0.4),
+            Self::Fallen => format!(
+                "{}source = \"deposit\"\nrule = \"ray\"\ndepth = 0.05\narea = [0, 0, 0.08, 0.08]\n",
+                seen(0.05, 0.08)
+            ),
+            Self::Crystals => format!(
+                "{}[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\nrounding = 0.2\n\
+                 [[snow.shapes]]\nshape = \"hexagonal-column\"\naspect = 2.5\n",
+                block(0.05, 0.08)
+            ),
             Self::Thin => block(0.005, 0.08),
             Self::Ball => format!(
                 "[camera]\nkind = \"orthographic\"\nfrom = [0, 0.05, 0.08]\nat = [0, 0.009, 0]\n\

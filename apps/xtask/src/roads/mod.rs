@@ -7,7 +7,7 @@ mod sheet;
 use crate::deep::measured::{Comparison, Film};
 use crate::program::Program;
 use anyhow::Result;
-use calibrate::Calibrated;
+use calibrate::Slab;
 use case::{Body, Case, Light, Road};
 use sheet::Sheet;
 use std::fmt::Write as _;
@@ -23,6 +23,10 @@ pub(crate) struct Options {
     /// Prints what the proxy's grains differ by from real ones, as the code holds it, and nothing else
     #[arg(long)]
     calibrate: bool,
+
+    /// Measures slabs alone, and writes nothing
+    #[arg(long)]
+    slabs: bool,
 
     /// Fewer samples: a look, not a measurement
     #[arg(long)]
@@ -46,12 +50,19 @@ pub(crate) fn roads(options: &Options) -> Result<bool> {
     let program = Program::build()?;
     let mut report = String::from(INTRODUCTION);
     let mut passed = true;
-    write!(report, "\n## Slabs\n\n{SLABS}{SLAB_HEADS}")?;
-    for slab in Calibrated::all(paths, calibrate::JUDGING)? {
-        let row = slab.row()?;
-        print!("{row}");
-        report.push_str(&row);
-        passed &= slab.keeps_visits(VISITS)?;
+    write!(report, "\n## Slabs\n\n{SLABS}")?;
+    for (of_others, heads) in [(false, SLAB_HEADS), (true, OTHER_HEADS)] {
+        report.push_str(heads);
+        for slab in Slab::judging(paths, of_others) {
+            let (row, keeps) = slab?.row(VISITS, !of_others)?;
+            print!("{row}");
+            report.push_str(&row);
+            passed &= keeps;
+        }
+    }
+    if options.slabs {
+        print!("{report}");
+        return Ok(passed);
     }
     write!(report, "\n## Pictures\n\n{PICTURES}{PICTURE_HEADS}")?;
     let mut sheet = Sheet::default();
@@ -124,35 +135,50 @@ take snow for a medium, or for a surface below which light diffuses. Here are th
 | `integrator.kind` | what light meets |
 |---|---|
 | `grains` | every grain: exact |
-| `proxy` | spheres at random places of a smoothed density, after exponential lengths of the mean chord of the void; a path goes on from where the \
-closed form of the sphere lets it out, or straight on |
+| `proxy` | grains at random places of a smoothed density, after exponential lengths of the mean chord of the void; a path goes on from where a lone \
+grain lets it out, by the closed form of the sphere or by one of 131 072 ways through a shape, or straight on |
 | `volume` | points of that density, after exponential lengths, that refract light by the phase function of Bohren and Barkstrom (1974, its slip \
 mended); any number of times. Volume path tracing as Nishita et al. (1997) light their metaballs, but without an end |
 | `dipole` | the surface of that density, from where light diffuses: the dipole of Jensen et al. (2001) with sigma_s' and sigma_a of the grains and \
 no step of the index, summed over points by the hierarchy of Jensen and Buhler (2002) |
 
 `integrator.deep = \"proxy\"` follows light exactly until it is deep in the snow, as `\"learnt\"` does, lets it go on as `proxy` there, \
-and exactly again when it comes out: it loses and makes no light, and needs no learning, but light must be found by paths (skies alone). \
+and exactly again when it comes out: it loses and makes no light, and learns nothing of the lights. \
 `integrator.deep = \"shells\"` is the same, but where there is room in snow that is everywhere the same it jumps from the centre of a sphere of \
 4, 8, ... 128 mean free paths to where one of 32 768 ways through it ended, which the proxy found grain by grain before the picture, each with its own length in ice.
 
 The smoothed density has nodes four mean radii apart; each grain adds to the eight around its centre, and between nodes it is trilinear. What a grain's ball \
-would put into a solid object is given back to the snow before it. `proxy`, `deep = \"proxy\"` and `deep = \"shells\"` are for spheres of \
-ice in air that are not a lattice, `volume` and `dipole` for spheres; one load of impurities for all snow; no dispersion, no shadow catchers; `dipole` has no lengths in ice to be graded again. \
+would put into a solid object is given back to the snow before it. `proxy`, `deep = \"proxy\"` and `deep = \"shells\"` know grains of all shapes, sizes and \
+substances that lie in all directions alike, but no lattices; `volume` and `dipole` know spheres. All have one load of impurities for all snow, and no dispersion, \
+media no shadow catchers; `dipole` has no lengths in ice to be graded again. \
 Suns and small lamps are looked for at every grain and rough surface; the dipole gathers them where they fall on the snow.
 
-In the proxy a sphere is met by the density at its centre, which lies ahead of the path, and as often as there is void around the path to be in. So uniform \
-light stays uniform however the density varies, and light visits 2 tau grains with nothing to be calibrated, at a solid fraction of .545 as well. What is calibrated is \
-that light among real grains goes farther than among spheres that are met at random: one number for each solid fraction, the part of the grains that light passes straight \
-through (with the ice that it else would have met), so that as much comes through a slab of 60 radii (`cargo xtask roads --calibrate` prints them). It is 5 to 11 %.
+In the proxy a grain is met by the density at its centre, which lies ahead of the path, and as often as there is void around the path to be in. So uniform \
+light stays uniform however the density varies, and light visits 2 tau grains with nothing to be calibrated, at a solid fraction of .545 as well. Where grains reach into each \
+other (lines through some of them tell how far) light meets what is bare of them, and goes as much farther in each. What is calibrated is that \
+light among real grains goes farther than among grains that are met at random: one number for each solid fraction, the part of the grains that light passes straight \
+through (with the ice that it else would have met), so that as much comes through a slab of 60 radii. Grains that have grown together turn light more than lone \
+ones: there it is negative, the part that turns light twice; and what has grown together holds light longer, which a second number tells where a fiftieth of the surface is \
+hidden. Of equal spheres of ice as in packs both are known (`cargo xtask roads --calibrate` prints them: 5 to 11 %). Of all others they are measured before the \
+picture, on a slab of a pack of their sizes, shapes, index and solid fraction, or of a snowfall by their rule, by 2^17 paths: some seconds of one processor, \
+which `--learnt-cache DIR` saves the next time.
 ";
 const SLABS: &str = "Packs of other seeds than those by which the proxy is calibrated, about 35 radii deep (whole periods of a pack), diffuse light from above, \
-black below. *T* is the part that comes through; grains visited by 2 tau, which is exact for any packing (tau: area of the discs over that of the slab); \
-*ice* is the length in ice over that of exact light. Standard errors in brackets.
+black below. *T* is the part that comes through, *visits* and *ice* are grains visited and length in ice over those of exact light (tau: area of the discs over \
+that of the slab). Standard errors in brackets.
 
 ";
-const SLAB_HEADS: &str = "| solid fraction | tau | exact: T | visits / 2 tau | ice | proxy: T | visits / 2 tau | ice | volume: T | visits / 2 tau | ice |
-|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
+const SLAB_HEADS: &str =
+    "| solid fraction | tau | exact: T | proxy: T | visits | ice | volume: T | visits | ice |
+|---:|---:|---:|---:|---:|---:|---:|---:|---:|
+";
+const OTHER_HEADS: &str = "
+Other grains, by the calibration that is measured before a picture. *Straight* is the part that passes straight, below 0 that which turns light twice; solid fractions \
+count each grain whole. A visit of exact light is an arrival at a grain: where grains are hollow, as rosettes, light that comes back to the same one counts again, \
+and the proxy's does not.
+
+| grains | solid fraction, each grain | straight | exact: T | proxy: T | visits | ice |
+|---|---:|---:|---:|---:|---:|---:|
 ";
 const PICTURES: &str = "Grains of .5 mm, 275 kg/m^3, 64 x 64 pixels of .5 mm (ball: .375 mm). *Mean* is the difference of the mean of the picture from that of \
 exact light, with its standard error; *blocks* the root mean square of the differences of 16 x 16 pixels with the noise of both pictures taken \
@@ -176,8 +202,8 @@ const FAILURES: &str = "
 at the same error.
 - *Proxy* keeps the light of deep snow, and visits and ice within 1 % at all solid fractions. It saves nothing: exact light is followed \
 sixteen paths at once, the proxy one path after another, at two to three times the cost of a grain, and both take as many samples. It has no \
-grains to be seen, and its snow falls off over four radii at the edge: thin snow and a ball are blurred. It was measured on packs of equal \
-spheres, not on lattices (which let more light through) nor where grains overlap.
+grains to be seen, and its snow falls off over four radii at the edge: thin snow and a ball are blurred. It does not know lattices, which \
+let more light through.
 - *Shells* save little while spheres are small: light is scattered forward, so that at 275 kg/m^3 one of 4 mean free paths stands for 3 \
 grains, of 8 for 7, of 16 for 20, of 32 for 63. On snow 5 cm deep they are slower than the proxy, on 20 cm faster than exact light. Nowhere \
 are they faster than *learnt*, which ends paths and so has less noise, too: they are kept to be compared with.

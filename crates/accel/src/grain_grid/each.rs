@@ -2,14 +2,26 @@
 
 use super::packed_cells::{BRICK, CELLS_PER_BRICK};
 use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, RADIUS_MASK, ShapeWord, Storage};
+use snowgrain_geometry::GrainShape;
 use snowgrain_math::{Aabb, DVec3};
 
+/// A grain of a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridGrain {
+    /// Centre, metres.
+    pub center: DVec3,
+    /// Radius, metres; of a shape that of the sphere of equal volume.
+    pub radius: f64,
+    /// Which of the prototypes of the grid it has the shape of, and how it is turned; `None` in a grid of spheres.
+    pub shape: Option<GrainShape>,
+}
+
 impl GrainGrid {
-    /// Tells centre and radius, metres, of every grain whose centre is in the grid, in an order that is always the
-    /// same; of one period where the grid repeats. Grains of shapes have the radius of the sphere of equal volume.
+    /// Tells every grain whose centre is in the grid, in an order that is always the same; of one period where the grid
+    /// repeats.
     ///
     /// Tells nothing in a lattice of grains apart that stores nothing: build it by [`GrainGrid::lattice_in_cells`].
-    pub fn for_each_grain(&self, mut tell: impl FnMut(DVec3, f64)) {
+    pub fn for_each_grain(&self, mut tell: impl FnMut(GridGrain)) {
         let quantum = self.quantum();
         self.for_each_cell(|cell, entry| {
             if entry.first_block() == 0 {
@@ -18,10 +30,20 @@ impl GrainGrid {
             for index in entry.blocks() {
                 for slot in 0..GRAINS_PER_BLOCK {
                     let Some((local, radius)) = self.own_grain(index, slot) else { continue };
-                    tell(self.world_of(cell, local), radius * quantum);
+                    tell(GridGrain {
+                        center: self.world_of(cell, local),
+                        radius: radius * quantum,
+                        shape: self.shape_of(index, slot),
+                    });
                 }
             }
         });
+    }
+
+    /// The shape of a grain in a block.
+    fn shape_of(&self, index: usize, slot: usize) -> Option<GrainShape> {
+        let shapes = self.shapes.as_ref()?;
+        Some(ShapeWord::of_slot(shapes.blocks[index][slot]).shape())
     }
 
     /// Every cell that holds anything, and perhaps some that do not.
@@ -89,7 +111,7 @@ mod tests {
             let grid =
                 GrainGrid::build(quantisation, &grains[..], &Surfaces::default(), packing).unwrap();
             let mut told = Vec::new();
-            grid.for_each_grain(|center, radius| told.push((center, radius)));
+            grid.for_each_grain(|grain| told.push((grain.center, grain.radius)));
             assert_eq!(told.len(), grains.len());
             for grain in &grains {
                 let center = quantisation.origin()

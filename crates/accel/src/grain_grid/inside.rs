@@ -8,34 +8,44 @@ impl GrainGrid {
     /// Whether `point`, metres, lies inside a grain.
     #[must_use]
     pub fn is_inside_grain(&self, point: DVec3) -> bool {
+        self.grains_at(point, 1) > 0
+    }
+
+    /// In how many grains `point`, metres, lies; no more than `most` are counted. Of grains of a lattice that stores nothing,
+    /// which do not overlap, one at most.
+    #[must_use]
+    pub fn grains_at(&self, point: DVec3, most: usize) -> usize {
         let bounds = self.bounds();
         let outside = point.cmplt(bounds.min).any() || point.cmpgt(bounds.max).any();
         if self.grains() == 0 || outside || !point.is_finite() {
-            return false;
+            return 0;
         }
         if let Storage::Sites(sites) = &self.storage {
-            return sites.is_inside_grain(self.quanta(point));
+            return sites.is_inside_grain(self.quanta(point)).into();
         }
         let place = self.locate(point);
         let entry = self.entry(place.cell);
         if entry == CellEntry::EMPTY_BRICK {
-            return false;
+            return 0;
         }
         let local = DVec3::from_array(place.local.map(f64::from));
-        entry.blocks().any(|number| {
-            let block = &self.blocks[number];
-            (0..GRAINS_PER_BLOCK).any(|slot| {
-                let center = [block.x[slot], block.y[slot], block.z[slot]].map(f64::from);
-                let radius = f64::from(block.radius[slot] & RADIUS_MASK);
-                let from_center = local - DVec3::from_array(center);
-                if from_center.length_squared() >= radius * radius {
-                    return false;
-                }
-                self.shapes.as_ref().is_none_or(|shapes| {
-                    let placement = Placement::of(ShapeWord::of_slot(shapes.blocks[number][slot]));
-                    shapes.of(&placement).contains(placement.to_prototype(from_center))
-                })
-            })
+        let slots =
+            entry.blocks().flat_map(|number| (0..GRAINS_PER_BLOCK).map(move |slot| (number, slot)));
+        slots.filter(|&(number, slot)| self.contains((number, slot), local)).take(most).count()
+    }
+
+    /// Whether a grain of a block contains a place of the block's cell.
+    fn contains(&self, (number, slot): (usize, usize), local: DVec3) -> bool {
+        let block = &self.blocks[number];
+        let center = [block.x[slot], block.y[slot], block.z[slot]].map(f64::from);
+        let radius = f64::from(block.radius[slot] & RADIUS_MASK);
+        let from_center = local - DVec3::from_array(center);
+        if from_center.length_squared() >= radius * radius {
+            return false;
+        }
+        self.shapes.as_ref().is_none_or(|shapes| {
+            let placement = Placement::of(ShapeWord::of_slot(shapes.blocks[number][slot]));
+            shapes.of(&placement).contains(placement.to_prototype(from_center))
         })
     }
 }
@@ -59,20 +69,23 @@ mod tests {
             .collect();
         let grid =
             GrainGrid::build(quantisation, &grains, &Surfaces::default(), Packing::Fast).unwrap();
-        let mut inside = 0;
+        let (mut inside, mut overlaps) = (0, 0);
         for index in 0..20_000 {
             let point = DVec3::from_array(random(index, 2)) * DVec3::new(9.0, 9.0, 63.0) - 1.5;
-            let depth = grains
+            let depths: Vec<f64> = grains
                 .iter()
                 .map(|&grain| quantisation.grain(grain))
                 .map(|grain| grain.radius - (point - grain.center).length())
-                .fold(f64::NEG_INFINITY, f64::max);
-            if depth.abs() > 1e-4 {
-                assert_eq!(grid.is_inside_grain(point), depth > 0.0, "{point} {depth}");
-                inside += u32::from(depth > 0.0);
+                .collect();
+            if depths.iter().all(|depth| depth.abs() > 1e-4) {
+                let count = depths.iter().filter(|depth| **depth > 0.0).count();
+                assert_eq!(grid.is_inside_grain(point), count > 0, "{point} {count}");
+                assert_eq!(grid.grains_at(point, 9), count, "{point}");
+                inside += u32::from(count > 0);
+                overlaps += u32::from(count > 1);
             }
         }
-        assert!(inside > 100);
+        assert!(inside > 100 && overlaps > 10, "{inside} {overlaps}");
         assert!(!grid.is_inside_grain(DVec3::NAN));
     }
 }

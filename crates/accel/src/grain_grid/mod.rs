@@ -30,6 +30,7 @@ mod tiles;
 
 pub use block::{Block, GRAINS_PER_BLOCK};
 pub(crate) use block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
+pub use each::GridGrain;
 pub use interior::Interior;
 pub use lattice_cells::{LatticeCell, LatticeCells};
 pub use packed_cells::PackedCells;

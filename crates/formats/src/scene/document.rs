@@ -310,7 +310,7 @@ pub enum ShapeKind {
 #[derive(Clone, Debug, PartialEq, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorTable {
-    /// "grains" (every grain is met), or for comparison "volume" (volume path tracing) "proxy" (spheres that are met at
+    /// "grains" (every grain is met), or for comparison "volume" (volume path tracing) "proxy" (grains that are met at
     /// random) or "dipole" (diffusion below its surface), see docs/roads.md; default "grains".
     pub kind: IntegratorName,
     /// How lights are found: "exact" (where a path escapes or meets them, and nowhere else), "sampled"

@@ -166,6 +166,14 @@ impl Shape {
     pub fn contains(&self, point: DVec3) -> bool {
         self.parts.iter().any(|part| part.contains(point))
     }
+
+    /// From where the line `origin + t direction` first meets the shape to where it last leaves it; `None` where it does not.
+    #[must_use]
+    pub fn extent(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let intervals = self.parts.iter().filter_map(|part| part.interval(origin, direction));
+        let ends = intervals.map(|interval| [interval.enter, interval.leave]);
+        ends.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    }
 }
 
 impl ShapeKind {

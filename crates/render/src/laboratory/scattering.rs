@@ -147,7 +147,7 @@ pub(crate) fn scattered(
 }
 
 /// A world that holds one grain, and the radius of that.
-fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
+pub(super) fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, shape.bounding_radius());
     let grain = quantisation.round(DVec3::ZERO, 1.0).expect("a grain fits its own lattice");
     let shapes = ShapedGrains {
@@ -168,7 +168,7 @@ fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
 }
 
 /// What is kept of paths around a lone grain.
-trait Kept {
+pub(super) trait Kept {
     /// A path that came along `incident`; it has met the grain if it has visits.
     fn add(&mut self, tag: u64, incident: DVec3, path: &PathResult);
 }
@@ -240,7 +240,7 @@ impl Kept for Samples {
 }
 
 /// Lines that are spread evenly over all that meet the bounding sphere.
-struct Lines<K> {
+pub(super) struct Lines<K> {
     reach: f64,
     seed: u64,
     next: u64,
@@ -248,11 +248,11 @@ struct Lines<K> {
     /// Directions of the paths from number `first` on.
     incident: Vec<DVec3>,
     first: u64,
-    sums: K,
+    pub(super) sums: K,
 }
 
 impl<K> Lines<K> {
-    fn new(reach: f64, seed: u64, numbers: Range<u64>, sums: K) -> Self {
+    pub(super) fn new(reach: f64, seed: u64, numbers: Range<u64>, sums: K) -> Self {
         let Range { start: first, end } = numbers;
         let incident = Vec::with_capacity((end - first) as usize);
         Self { reach, seed, next: first, end, incident, first, sums }

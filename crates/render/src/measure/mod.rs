@@ -7,11 +7,13 @@
 mod body;
 mod glints;
 mod packed_slab;
+mod proxy;
 mod slab;
 
 pub use body::{BodyMeasure, measure_body};
 pub use glints::{GlintCount, GlintKind, GlintMeasure, GlintSun, measure_glints};
 pub use packed_slab::PackedSlab;
+pub use proxy::{CALIBRATION_PATHS, calibrate_proxy, calibration_by};
 pub use slab::{
     Incidence, SlabMeasure, SlabSettings, measure_slab, measure_slab_in_depth,
     measure_slab_in_medium,

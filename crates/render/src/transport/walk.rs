@@ -1,7 +1,7 @@
 //! Drives a [`Flight`]: fills its lanes from a source and answers its events.
 
 use super::deep::Deep;
-use super::medium::ProxyInDepth;
+use super::medium::{Looking, ProxyInDepth};
 use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
     Contribution, FirstHit, Learnt, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult,
@@ -40,6 +40,13 @@ struct Before {
     air_length: f64,
     grain_visits: u32,
     interface_events: u32,
+}
+
+impl<Tag> Walker<Tag> {
+    fn state(&self) -> PathState {
+        let Self { key, throughput, before, .. } = self;
+        PathState { key: *key, throughput: *throughput, ice_before: before.ice_length }
+    }
 }
 
 /// Traces every path of `source` through `world`; light is found where a path escapes.
@@ -122,7 +129,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let (walkers, visits) = (&self.walkers, &self.visits);
         let state = |lane: usize| {
             let walker = walkers[lane].as_ref().expect("a lane that arrives has a walker");
-            PathState { key: walker.key, throughput: walker.throughput }
+            walker.state()
         };
         if let Some(Deep::Learn(learner)) = &mut self.deep {
             visits.iter().for_each(|visit| learner.note(visit, &state(visit.lane)));
@@ -369,11 +376,10 @@ impl<Tag: Copy> Walk<'_, Tag> {
             in_ice: self.flight.is_in_ice(lane),
             event,
             grain_visits: travelled.grain_visits,
-            ice_length: travelled.ice_length,
+            ice_length: walker.before.ice_length + travelled.ice_length,
             ice_in_strata: self.flight.ice_in_strata(lane),
         };
-        let state = PathState { key: walker.key, throughput: walker.throughput };
-        seeker.at_surface(&bounce, trails, &state);
+        seeker.at_surface(&bounce, trails, &walker.state());
     }
 
     fn finish<Source: PathSource<Tag = Tag>>(
@@ -420,15 +426,24 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let travelled = self.flight.travelled(lane);
         let first_hit = self.first_hit(lane);
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
-        let emerged = proxy.follow(self.world, walker.key, visit);
+        let ice_length = f64::from(visit.ice_length) * grid.quantum();
+        let looking = self.search.as_mut().map(|Search { trails, .. }| Looking {
+            throughput: walker.throughput,
+            ice_before: walker.before.ice_length + ice_length,
+            found: &mut trails[lane].contributions,
+        });
+        let emerged = proxy.follow(self.world, walker.key, visit, looking);
         walker.first_hit = first_hit;
         let grain_visits = visit.grain_visits + emerged.grain_visits;
         let events = visit.event - walker.start_event;
         let before = &mut walker.before;
-        before.ice_length += f64::from(visit.ice_length) * grid.quantum() + emerged.ice_length;
+        before.ice_length += ice_length + emerged.ice_length;
         before.air_length += travelled.air_length;
         before.grain_visits += grain_visits;
         before.interface_events += events + 2 * (emerged.grain_visits + 1);
+        if let Some(Search { trails, .. }) = &mut self.search {
+            trails[lane].emerge(grain_visits, emerged.looked);
+        }
         walker.start_event = emerged.event;
         self.flight.launch(lane, walker.key, emerged.event);
         let Ray { origin, direction } = emerged.ray;

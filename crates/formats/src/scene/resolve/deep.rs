@@ -82,6 +82,3 @@ pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneErro
         jumps,
     }))
 }
-
-/// Indices of grains, relative to what is between them, of which the calibration of the proxy is known: ice in air.
-pub(super) const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;

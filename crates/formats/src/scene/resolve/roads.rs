@@ -1,11 +1,11 @@
 //! What the roads of comparison cannot do.
 
 use super::checks::Checks;
-use super::deep::KNOWN_INDICES;
 use crate::scene::SceneError;
 use crate::scene::document::DeepName;
+use snowgrain_grains::Orientation;
 use snowgrain_render::description::{
-    DirectView, IntegratorKind, LightFinding, SceneDescription, SnowDescription,
+    DirectView, IntegratorKind, SceneDescription, SnowDescription,
 };
 use snowgrain_render::transport::medium::MediumKind;
 
@@ -21,15 +21,15 @@ pub(super) fn refuse_beyond(
     };
     let deep = checks.document().integrator.deep != DeepName::Exact;
     let catches = scene.objects.iter().any(|o| o.direct_view == DirectView::ShadowCatcher);
-    let measured = KNOWN_INDICES.contains(&scene.ice.eta());
+    let proxy = kind == MediumKind::Proxy;
     let cases = [
         (deep, "follows all light to its end; leave integrator.deep out"),
-        (scene.has_shapes(), SPHERES),
+        (!proxy && scene.has_shapes(), "knows spheres alone, and some grains have shapes"),
+        (proxy && has_directions(scene), DIRECTIONS),
         (!scene.strata.loads.is_empty(), STRATA),
         (scene.ice.disperses, "knows no dispersion; leave material.dispersion out"),
         (catches, "shows no shadow catchers"),
-        (kind == MediumKind::Proxy && !measured, UNMEASURED),
-        (kind == MediumKind::Proxy && has_lattices(scene), LATTICES),
+        (proxy && has_lattices(scene), LATTICES),
         (
             volume && scene.ice.eta() <= 1.0,
             "refracts by grains that are denser than what is between them",
@@ -50,14 +50,18 @@ pub(super) fn refuse_beyond(
     })
 }
 
-const SPHERES: &str = "knows spheres alone, and some grains have shapes";
-const UNMEASURED: &str = "was measured for ice in air alone (a relative index from 1.29 to 1.34)";
+const DIRECTIONS: &str =
+    "takes grains to lie in all directions alike, and some lie level or along an axis";
 const STRATA: &str = "does not tell the impurities of one snow from another's";
-
-const LATTICES: &str = "was measured for packs at random alone, and some snow is a lattice";
+const LATTICES: &str = "takes grains to lie at random, and some snow is a lattice";
 
 fn has_lattices(scene: &SceneDescription) -> bool {
     scene.snow.iter().any(|snow| matches!(snow, SnowDescription::Lattice(_)))
+}
+
+fn has_directions(scene: &SceneDescription) -> bool {
+    let mixes = (0..scene.snow.len()).filter_map(|body| scene.shapes_of(body));
+    mixes.flat_map(|mix| mix.shapes()).any(|mixed| mixed.orientation != Orientation::Random)
 }
 
 /// Refuses what light that goes on as the proxy cannot do.
@@ -67,14 +71,9 @@ fn refuse_proxy(
     jumps: bool,
 ) -> Result<(), SceneError> {
     let cases = [
-        (
-            scene.light_finding != LightFinding::Exact,
-            "looks for no light: suns, lamps and maps need \"learnt\" or \"exact\"",
-        ),
-        (scene.has_shapes(), SPHERES),
+        (has_directions(scene), DIRECTIONS),
         (!scene.strata.loads.is_empty(), STRATA),
         (scene.ice.disperses, "knows no dispersion; leave material.dispersion out"),
-        (!KNOWN_INDICES.contains(&scene.ice.eta()), UNMEASURED),
         (has_lattices(scene), LATTICES),
     ];
     let why = cases.into_iter().find(|(beyond, _)| *beyond);

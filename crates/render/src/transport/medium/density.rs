@@ -6,8 +6,10 @@
 //! space is the grains' own. What a ball would put into a solid object is given back to the snow before
 //! it: a node's density counts by the part of its ball that is open.
 
+use super::composition::{Composition, Overlap};
 use crate::surface::Place;
-use snowgrain_accel::{GrainGrid, Surfaces};
+use core::f64::consts::PI;
+use snowgrain_accel::{GrainGrid, GridGrain, Surfaces};
 use snowgrain_math::{Aabb, DVec3, Ray};
 
 /// Edge of a cell in mean radii: about as many grains as neighbours of one, so that the density is even
@@ -23,16 +25,18 @@ const LEAST_OPEN: f64 = 0.05;
 /// What there is at a place, smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Matter {
-    /// Area of the grains' discs by volume, 1/m.
+    /// Area of the grains' shadows by volume, 1/m: mean over all directions.
     pub(super) area: f64,
     /// Volume of the grains by volume.
     pub(super) solid: f64,
+    /// Mean radius of the grains around, each by its area, metres; smoother than the others, for that light which goes back
+    /// finds the same.
+    pub(super) radius: f64,
 }
 
 impl Matter {
-    /// Radius of grains of one size with the same area and volume, metres.
-    pub(super) fn radius(self) -> f64 {
-        if self.area > 0.0 { 0.75 * self.solid / self.area } else { 0.0 }
+    fn of([area, solid, radius]: [f32; 3]) -> Self {
+        Self { area: area.into(), solid: solid.into(), radius: radius.into() }
     }
 }
 
@@ -46,8 +50,11 @@ pub(super) struct Density {
     per_edge: DVec3,
     pub(super) nodes: [usize; 3],
     pub(super) repeats: [bool; 3],
-    /// Area and volume at each node, x fastest.
-    pub(super) values: Vec<[f32; 2]>,
+    /// Area, volume and radius at each node, x fastest.
+    pub(super) values: Vec<[f32; 3]>,
+    /// Of each node the parts of the area that grains of each kind have, of 255; empty where there is one kind.
+    parts: Vec<u8>,
+    kinds: usize,
     /// Around all that is not empty; infinite along axes that repeat.
     pub(super) bounds: Aabb,
 }
@@ -55,10 +62,14 @@ pub(super) struct Density {
 impl Density {
     /// Of all grains among these surfaces, whose places are in the order of the objects; `None` where there are
     /// no grains.
-    pub(super) fn new(grid: &GrainGrid, surfaces: &Surfaces, places: &[Place]) -> Option<Self> {
+    pub(super) fn new(
+        grid: &GrainGrid,
+        composition: &Composition,
+        (surfaces, places): (&Surfaces, &[Place]),
+    ) -> Option<Self> {
         let [mut squares, mut cubes] = [0.0, 0.0];
         let mut around = Aabb::EMPTY;
-        grid.for_each_grain(|center, radius| {
+        grid.for_each_grain(|GridGrain { center, radius, .. }| {
             squares += radius * radius;
             cubes += radius * radius * radius;
             around = around.including(center);
@@ -67,20 +78,71 @@ impl Density {
             return None;
         }
         let mut density = Self::empty(grid, around, CELL_IN_RADII * cubes / squares);
+        density.kinds = composition.kinds();
         let per_volume = 1.0 / density.edges.to_array().iter().product::<f64>();
-        let mut sums = vec![[0.0f64; 2]; density.values.len()];
-        grid.for_each_grain(|center, radius| {
-            let area = core::f64::consts::PI * radius * radius * per_volume;
+        let mut sums = vec![[0.0f64; 3]; density.values.len()];
+        let is_mixed = density.kinds > 1;
+        let mut areas = vec![0.0f32; if is_mixed { density.kinds * sums.len() } else { 0 }];
+        grid.for_each_grain(|GridGrain { center, radius, shape }| {
+            let kind = composition.kind(shape);
+            let squares = radius * radius * per_volume;
+            let area = composition.shadow(kind) * squares;
             for (node, weight) in density.around(center) {
                 sums[node][0] += weight * area;
-                sums[node][1] += weight * area * radius * (4.0 / 3.0);
+                sums[node][1] += weight * squares * radius * (4.0 / 3.0 * PI);
+                sums[node][2] += weight * squares;
+                if is_mixed {
+                    areas[node * density.kinds + kind] += (weight * area) as f32;
+                }
             }
         });
         if !surfaces.is_empty() {
             density.open_up(&mut sums, surfaces, places);
         }
-        density.values = sums.iter().map(|sum| sum.map(|value| value as f32)).collect();
+        let Overlap { surface, volume } = composition.overlap();
+        let radii = density.radii(&sums, cubes / squares);
+        let value = |([area, solid, _], radius): (&[f64; 3], f32)| {
+            // Where grains reach into each other, light meets fewer of them, and goes farther in each.
+            let farther = (volume / surface) as f32;
+            [(surface * area) as f32, (volume * solid) as f32, farther * radius]
+        };
+        density.values = sums.iter().zip(radii).map(value).collect();
+        density.parts = density.parts_of(&areas);
         Some(density)
+    }
+
+    /// Of each node the mean radius around it, by volume over area; where there are no grains around that of all.
+    fn radii(&self, sums: &[[f64; 3]], all: f64) -> Vec<f32> {
+        let volumes: Vec<[f32; 2]> =
+            sums.iter().map(|[_, solid, squares]| [*solid as f32, *squares as f32]).collect();
+        let radius = |[solid, squares]: [f32; 2]| match squares > 0.0 {
+            true => solid / squares * (0.75 / PI) as f32,
+            false => all as f32,
+        };
+        self.means_around(volumes).into_iter().map(radius).collect()
+    }
+
+    /// Of each node the parts of the kinds around it, by their areas at each node.
+    fn parts_of(&self, areas: &[f32]) -> Vec<u8> {
+        let mut parts = vec![0; areas.len()];
+        let mut means = vec![0.0f32; areas.len()];
+        for kind in 0..self.kinds {
+            let of_kind: Vec<[f32; 1]> =
+                areas.iter().skip(kind).step_by(self.kinds).map(|&area| [area]).collect();
+            if of_kind.is_empty() {
+                return parts;
+            }
+            for (node, [mean]) in self.means_around(of_kind).into_iter().enumerate() {
+                means[node * self.kinds + kind] = mean;
+            }
+        }
+        for (parts, means) in parts.chunks_mut(self.kinds).zip(means.chunks(self.kinds)) {
+            let all: f32 = means.iter().sum();
+            for (part, mean) in parts.iter_mut().zip(means) {
+                *part = if all > 0.0 { (255.0 * mean / all).round() as u8 } else { 1 };
+            }
+        }
+        parts
     }
 
     fn empty(grid: &GrainGrid, around: Aabb, cell: f64) -> Self {
@@ -104,9 +166,9 @@ impl Density {
             }
             let count = nodes.iter().map(|&n| n as f64).product::<f64>();
             if count <= MOST_NODES {
-                let values = vec![[0.0; 2]; nodes.iter().product()];
-                let per_edge = edges.recip();
-                return Self { low, edges, per_edge, nodes, repeats, values, bounds };
+                let values = vec![[0.0; 3]; nodes.iter().product()];
+                let (per_edge, parts, kinds) = (edges.recip(), Vec::new(), 1);
+                return Self { low, edges, per_edge, nodes, repeats, values, parts, kinds, bounds };
             }
             cell *= 2.0;
         }
@@ -159,11 +221,25 @@ impl Density {
     pub(super) fn at(&self, point: DVec3) -> Matter {
         let mut matter = Matter::default();
         for (node, weight) in self.around(point) {
-            let [area, solid] = self.values[node];
-            matter.area += weight * f64::from(area);
-            matter.solid += weight * f64::from(solid);
+            let [area, solid, radius] = self.values[node].map(f64::from);
+            matter.area += weight * area;
+            matter.solid += weight * solid;
+            matter.radius += weight * radius;
         }
         matter
+    }
+
+    /// The parts of the area that grains of each kind have around a point, of about 255 in all; empty where there is one kind.
+    pub(super) fn parts_near(&self, point: DVec3) -> &[u8] {
+        if self.parts.is_empty() {
+            return &[];
+        }
+        self.parts_at(self.nearest(self.coordinates(point)))
+    }
+
+    /// The same at a node.
+    pub(super) fn parts_at(&self, node: usize) -> &[u8] {
+        self.parts.get(node * self.kinds..(node + 1) * self.kinds).unwrap_or(&[])
     }
 
     /// What there is at one of the eight nodes around a point near the bounds, drawn as likely as its weight; a uniform number,
@@ -176,8 +252,7 @@ impl Density {
             let part = (f64::from(bits >> (8 * axis) & 0xff) + 0.5) / 256.0;
             node[axis] = self.wrapped((at[axis] + part) as usize, axis);
         }
-        let [area, solid] = self.values[self.number(node)];
-        Matter { area: f64::from(area), solid: f64::from(solid) }
+        Matter::of(self.values[self.number(node)])
     }
 
     /// A node's number along an axis: within the grid.
@@ -230,9 +305,7 @@ impl Density {
 
     /// All that nodes hold.
     pub(super) fn nodes(&self) -> impl Iterator<Item = Matter> + '_ {
-        let matter =
-            |&[area, solid]: &[f32; 2]| Matter { area: f64::from(area), solid: f64::from(solid) };
-        self.values.iter().map(matter)
+        self.values.iter().copied().map(Matter::of)
     }
 
     /// The shortest edge of a cell, metres.
@@ -240,13 +313,17 @@ impl Density {
         self.edges.min_element()
     }
 
-    /// Radius of grains of one size with the area and volume of all, metres.
-    pub(super) fn mean_radius(&self) -> f64 {
-        let all = self.nodes().fold(Matter::default(), |sum, matter| Matter {
-            area: sum.area + matter.area,
-            solid: sum.solid + matter.solid,
-        });
-        all.radius()
+    /// What all nodes hold in the mean, each as often as its area.
+    pub(super) fn mean(&self) -> Matter {
+        let (mut sum, mut weight) = (Matter::default(), 0.0);
+        for matter in self.nodes() {
+            sum.area += matter.area * matter.area;
+            sum.solid += matter.area * matter.solid;
+            sum.radius += matter.area * matter.radius;
+            weight += matter.area;
+        }
+        let [area, solid, radius] = [sum.area, sum.solid, sum.radius].map(|sum| sum / weight);
+        Matter { area, solid, radius }
     }
 
     /// The corners of each cell, with the area there; of the cells between the first nodes and the last.
@@ -274,11 +351,11 @@ impl Density {
 
     /// Memory, bytes.
     pub(super) fn memory_bytes(&self) -> u64 {
-        size_of_val(self.values.as_slice()) as u64
+        (size_of_val(self.values.as_slice()) + self.parts.len()) as u64
     }
 
     /// Divides each sum by the part of its ball that is not within solid objects.
-    fn open_up(&self, sums: &mut [[f64; 2]], surfaces: &Surfaces, places: &[Place]) {
+    fn open_up(&self, sums: &mut [[f64; 3]], surfaces: &Surfaces, places: &[Place]) {
         let mut closed = vec![0.0f32; sums.len()];
         let cells = |axis: usize| self.nodes[axis] - usize::from(!self.repeats[axis]);
         for z in 0..cells(2) {
@@ -286,7 +363,7 @@ impl Density {
                 for x in 0..cells(0) {
                     let low = self.low + DVec3::new(x as f64, y as f64, z as f64) * self.edges;
                     let middle = low + 0.5 * self.edges;
-                    if self.around(middle).iter().all(|&(node, _)| sums[node] == [0.0; 2]) {
+                    if self.around(middle).iter().all(|&(node, _)| sums[node] == [0.0; 3]) {
                         continue;
                     }
                     self.close(&mut closed, low, (surfaces, places));

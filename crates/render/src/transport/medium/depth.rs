@@ -10,14 +10,18 @@ use super::grains::{Grains, Meeting};
 use super::reach::Reach;
 use super::shells::{Jump, Shells};
 use super::uniform_numbers;
-use super::{Inside, Medium, MediumKind, darkness};
+use super::walk::MediumPath;
+use super::{Calibration, Inside, Medium, MediumKind, SnowyWorld, darkness};
 use crate::light::Lights;
+use crate::transport::Contribution;
 use crate::transport::deep::Scale;
 use crate::world::World;
+use core::convert::Infallible;
 use core::f64::consts::TAU;
-use snowgrain_accel::{GrainVisit, GrainsBefore, Interior, SimdLevel, SurfaceShape};
+use snowgrain_accel::{GrainVisit, GrainsBefore, Interior, SimdLevel};
+use snowgrain_geometry::Shape;
 use snowgrain_math::sampler::PathKey;
-use snowgrain_math::{DAffine3, DVec3, Ray, trig};
+use snowgrain_math::{DVec3, Ray, trig};
 
 /// When a path goes on as the proxy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,37 +63,65 @@ pub(in super::super) struct Emerged {
     pub(in super::super) grain_visits: u32,
     /// Its next random event.
     pub(in super::super) event: u32,
+    /// Whether small lights were looked for where it was last turned.
+    pub(in super::super) looked: bool,
+}
+
+/// What a path brings along that looks for small lights, and where what it finds is put.
+pub(in super::super) struct Looking<'a> {
+    pub(in super::super) throughput: [f32; 3],
+    /// Length in ice before its arrival, metres.
+    pub(in super::super) ice_before: f64,
+    pub(in super::super) found: &'a mut Vec<Contribution>,
 }
 
 impl ProxyInDepth {
-    /// The snow of a world, as [`Medium::new`]; cells of a quarter of a transport length. `None` where no snow is deep.
-    #[must_use]
-    pub fn new(
-        (world, shapes): (&World, &[(SurfaceShape, DAffine3)]),
-        lights: &Lights,
+    /// The snow of a world, as [`Medium::new`], of which `calibrate` makes one with a calibration; cells of a quarter of a
+    /// transport length. `looks` for small lights, or waits for paths to meet them. `None` where no snow is deep.
+    ///
+    /// # Errors
+    /// Those of `calibrate`.
+    pub fn new<E>(
+        (world, shapes, prototypes): SnowyWorld<'_>,
+        (lights, looks): (&Lights, bool),
         start: &ProxyStart,
-    ) -> Option<Self> {
-        let Scale { transport_length, .. } = Scale::of(world, &[], SimdLevel::detect())?;
+        calibrate: impl FnOnce(Medium) -> Result<Medium, E>,
+    ) -> Result<Option<Self>, E> {
+        let Some(Scale { transport_length, .. }) =
+            Scale::of(world, prototypes, SimdLevel::detect())
+        else {
+            return Ok(None);
+        };
         let cell = 0.25;
         let rings = (start.depth / cell).ceil() as u32;
         let interior = world.grid.interior(cell * transport_length, rings);
         if !interior.has_deep() {
-            return None;
+            return Ok(None);
         }
-        let medium = Medium::new(MediumKind::Proxy, (world, shapes), (lights, false))?;
+        let snowy = (world, shapes, prototypes);
+        let Some(medium) = Medium::new(MediumKind::Proxy, snowy, (lights, looks)) else {
+            return Ok(None);
+        };
+        let medium = calibrate(medium)?;
         let is_deep = |place| interior.is_deep(world.grid.locate(place).cell);
         let far = start.depth * transport_length;
         let deep = medium.nodes_where(is_deep, far, &world.surfaces);
         let shells = if start.jumps { Shells::new(&medium, &deep) } else { None };
         let step = 0.25 * interior.edges().min_element();
         let after = GrainsBefore::everywhere(start.after_grains);
-        Some(Self { medium, deep, shells, interior, after, step })
+        Ok(Some(Self { medium, deep, shells, interior, after, step }))
     }
 
-    /// The spheres of a world without surfaces, to be measured: in the dark.
+    /// The grains of a world without surfaces, which have these shapes, if any, to be measured: in the dark.
     #[must_use]
-    pub fn in_the_dark(world: &World, start: &ProxyStart) -> Option<Self> {
-        Self::new((world, &[]), &darkness(), start)
+    pub fn in_the_dark(
+        (world, prototypes): (&World, &[Shape]),
+        start: &ProxyStart,
+        table: &[Calibration],
+    ) -> Option<Self> {
+        let calibrate = |medium: Medium| Ok::<_, Infallible>(medium.calibrated(table));
+        let Ok(proxy) = Self::new((world, &[], prototypes), (&darkness(), false), start, calibrate);
+        proxy
     }
 
     /// Memory, bytes.
@@ -100,18 +132,26 @@ impl ProxyInDepth {
         self.medium.memory_bytes() + deep + shells
     }
 
-    /// Follows a path from its arrival at a grain until it leaves the deep cells.
+    /// Follows a path from its arrival at a grain until it leaves the deep cells, and looks for small lights where those are looked
+    /// for: what hides them is the medium.
     pub(in super::super) fn follow(
         &self,
         world: &World,
         key: PathKey,
         visit: &GrainVisit,
+        looking: Option<Looking<'_>>,
     ) -> Emerged {
         let direction = DVec3::from_array(visit.direction.map(f64::from)).normalize();
         let radius = f64::from(visit.radius) * world.grid.quantum();
         let Inside::Grains(grains) = &self.medium.inside else {
             unreachable!("the proxy meets grains")
         };
+        let ice_before = looking.as_ref().map_or(0.0, |looking| looking.ice_before);
+        let looker = looking.map(|Looking { throughput, found, .. }| {
+            let mut path = MediumPath::new((world, &self.medium), key, visit.event, found);
+            path.throughput = throughput;
+            path
+        });
         let mut deep = DeepPath {
             proxy: self,
             grains,
@@ -120,6 +160,9 @@ impl ProxyInDepth {
             event: visit.event,
             ice_length: 0.0,
             grain_visits: 0,
+            ice_before,
+            looker,
+            looked: false,
         };
         let center = world.grid.world(visit.center);
         let mut ray = deep.pass(Ray::new(center, direction), radius, true);
@@ -132,9 +175,10 @@ impl ProxyInDepth {
                 }
                 Flown::Out(place) => {
                     if let Some(place) = deep.in_air_near(place, radius) {
-                        let DeepPath { ice_length, grain_visits, event, .. } = deep;
-                        let ray = Ray::new(place, ray.direction);
-                        return Emerged { ray, ice_length, grain_visits: grain_visits - 1, event };
+                        let DeepPath { ice_length, grain_visits, event, looked, .. } = deep;
+                        let (ray, grain_visits) =
+                            (Ray::new(place, ray.direction), grain_visits - 1);
+                        return Emerged { ray, ice_length, grain_visits, event, looked };
                     }
                     ray = deep.pass(Ray::new(place, ray.direction), radius, false);
                 }
@@ -160,6 +204,12 @@ struct DeepPath<'a> {
     event: u32,
     ice_length: f64,
     grain_visits: u32,
+    /// Length in ice before its arrival.
+    ice_before: f64,
+    /// The same path where it looks for small lights.
+    looker: Option<MediumPath<'a>>,
+    /// Whether it did so where it was last turned.
+    looked: bool,
 }
 
 impl DeepPath<'_> {
@@ -172,15 +222,26 @@ impl DeepPath<'_> {
     fn pass(&mut self, arrival: Ray, radius: f64, is_center: bool) -> Ray {
         let numbers = self.random();
         let met = self.grains.meeting_of(&self.proxy.medium.density, &arrival, radius, numbers);
-        let entry = met.passage.normal.filter(|_| is_center).unwrap_or(DVec3::ZERO) * radius;
+        let entry = met.passage.entry.filter(|_| is_center).unwrap_or(DVec3::ZERO) * radius;
         self.go_on(Ray::new(arrival.origin + entry, arrival.direction), &met)
     }
 
     /// From a meeting to where the path leaves the grain.
     fn go_on(&mut self, arrival: Ray, met: &Meeting) -> Ray {
+        self.look(arrival.origin, met);
         self.ice_length += met.passage.length * met.radius;
         self.grain_visits += 1;
         Ray::new(arrival.origin + met.passage.displacement * met.radius, met.passage.direction)
+    }
+
+    /// Looks for small lights at a grain that is met, if it turns the path.
+    fn look(&mut self, position: DVec3, met: &Meeting) {
+        let Some(looker) = self.looker.as_mut().filter(|_| !met.is_straight) else { return };
+        looker.event = self.event;
+        looker.ice_length = self.ice_before + self.ice_length;
+        let grain = (&self.grains.scattering, met.radius);
+        looker.look_at_grain(position, met.passage.turned_from, grain);
+        self.looked = true;
     }
 
     /// Over spheres as long as there is room.
@@ -196,6 +257,7 @@ impl DeepPath<'_> {
             let Jump { displacement, direction, ice_length, grain_visits } =
                 shell.jump(grains, ray.direction, [which, turn]);
             ray = Ray::new(ray.origin + displacement, direction);
+            self.looked = false;
             self.ice_length += ice_length;
             self.grain_visits += grain_visits;
         }

@@ -5,10 +5,10 @@
 //! the density is divided by the part of the place that is void. Then uniform light stays so, however the density varies: of its radiance
 //! there is at each place the part that is void, as among real grains, and light visits 2 tau of them.
 
-use super::Calibration;
 use super::density::{Density, Matter};
 use super::scattering::{Azimuths, Passage, Scattering};
 use super::uniform::Uniform;
+use super::{CALIBRATION, Calibration};
 use snowgrain_math::{DVec3, Exponential, Ray};
 
 /// Greatest solid fraction: where grains overlap, their volumes may add to more than there is room.
@@ -39,10 +39,7 @@ pub(super) struct UniformGrains {
     pub(super) uniform: Uniform,
     /// Mean free path, metres.
     pub(super) free_path: f64,
-    /// Radius, metres.
-    pub(super) radius: f64,
-    /// Part that is passed straight.
-    straight: f64,
+    calibration: Calibration,
 }
 
 /// A grain that is met.
@@ -60,48 +57,54 @@ pub(super) struct Meeting {
 
 impl Grains {
     /// Levels out the density where it is the same all around.
-    pub(super) fn new(
-        density: &mut Density,
-        scattering: Scattering,
-        calibration: &[Calibration],
-    ) -> Self {
+    pub(super) fn new(density: &mut Density, scattering: Scattering) -> Self {
         let mut grains = Self {
             scattering,
             azimuths: Azimuths::new(),
             exponential: Exponential::new(),
-            calibration: calibration.to_vec(),
+            calibration: CALIBRATION.to_vec(),
             uniform: None,
             most: Vec::new(),
             blocks: density.nodes.map(|count| ((count - 1) >> BLOCK) + 1),
         };
         grains.uniform = Uniform::level_out(density).map(|uniform| UniformGrains {
             free_path: 1.0 / grains.extinction(uniform.matter.area, uniform.matter.solid),
-            radius: uniform.matter.radius(),
-            straight: grains.straight(uniform.matter.solid),
+            calibration: grains.calibration_of(uniform.matter.solid),
             uniform,
         });
         grains.most = grains.most(density);
         grains
     }
 
+    /// Takes another calibration.
+    pub(super) fn calibrate(&mut self, table: &[Calibration]) {
+        self.calibration = table.to_vec();
+        if let Some(mut uniform) = self.uniform.take() {
+            uniform.calibration = self.calibration_of(uniform.uniform.matter.solid);
+            self.uniform = Some(uniform);
+        }
+    }
+
     /// Memory, bytes.
     pub(super) fn memory_bytes(&self) -> u64 {
         let uniform = self.uniform.as_ref().map_or(0, |grains| grains.uniform.reach.memory_bytes());
-        size_of_val(self.most.as_slice()) as u64 + uniform
+        size_of_val(self.most.as_slice()) as u64 + uniform + self.scattering.memory_bytes()
     }
 
     /// Meetings by length of discs of this area by volume, 1/m, where so much is solid.
     fn extinction(&self, area: f64, solid: f64) -> f64 {
         match self.scattering {
             Scattering::Refracted(_) => area,
-            Scattering::Sphere(..) => area / (1.0 - solid.min(MOST_SOLID)),
+            Scattering::Sphere(..) | Scattering::Shapes(_) => area / (1.0 - solid.min(MOST_SOLID)),
         }
     }
 
-    fn straight(&self, solid: f64) -> f64 {
+    fn calibration_of(&self, solid: f64) -> Calibration {
         match self.scattering {
-            Scattering::Refracted(_) => 0.0,
-            Scattering::Sphere(..) => Calibration::straight(&self.calibration, solid),
+            Scattering::Refracted(_) => CALIBRATION[0],
+            Scattering::Sphere(..) | Scattering::Shapes(_) => {
+                Calibration::of(&self.calibration, solid)
+            }
         }
     }
 
@@ -116,7 +119,7 @@ impl Grains {
             for &z in &zs {
                 for &y in &ys {
                     for &x in &xs {
-                        let [area, solid] = density.values[density.number([x, y, z])];
+                        let [area, solid, _] = density.values[density.number([x, y, z])];
                         most = [most[0].max(area), most[1].max(solid)];
                     }
                 }
@@ -215,8 +218,10 @@ impl Grains {
         radius: f64,
         [_, way, turn]: [f64; 3],
     ) -> Meeting {
-        let straight = self.straight(density.at(arrival.origin).solid);
-        let (passage, is_straight) = self.draw(arrival.direction, [way, turn], straight);
+        let calibration = self.calibration_of(density.at(arrival.origin).solid);
+        let parts = density.parts_near(arrival.origin);
+        let of = (parts, [way, turn]);
+        let (passage, is_straight) = self.draw(arrival.direction, &calibration, of);
         Meeting { t: 0.0, radius, passage, is_straight }
     }
 
@@ -265,8 +270,10 @@ impl Grains {
         t: f64,
         [_, way, turn]: [f64; 3],
     ) -> Meeting {
-        let (passage, is_straight) = self.draw(direction, [way, turn], grains.straight);
-        Meeting { t, radius: grains.radius, passage, is_straight }
+        let UniformGrains { uniform, calibration, .. } = grains;
+        let of = (&*uniform.parts, [way, turn]);
+        let (passage, is_straight) = self.draw(direction, calibration, of);
+        Meeting { t, radius: uniform.matter.radius, passage, is_straight }
     }
 
     /// A grain that may be met, if there is one.
@@ -285,32 +292,23 @@ impl Grains {
             return is_met.then(|| self.in_uniform(grains, ray.direction, t, [0.0, way, turn]));
         }
         let here = density.at(place);
-        let radius = here.radius();
+        let (radius, parts) = (here.radius, density.parts_near(place));
         let (passage, is_straight) =
-            self.draw(ray.direction, [way, turn], self.straight(here.solid));
-        let center = passage.normal.map_or(place, |normal| place - normal * radius);
+            self.draw(ray.direction, &self.calibration_of(here.solid), (parts, [way, turn]));
+        let center = passage.entry.map_or(place, |entry| place - entry * radius);
         let Matter { area, .. } = density.near(center, node);
         let is_met = chance * most < self.extinction(area, here.solid);
         is_met.then_some(Meeting { t, radius, passage, is_straight })
     }
 
-    /// What a grain does to a path, and whether that is nothing; two uniform numbers.
+    /// What a grain does to a path, as [`Scattering::draw`].
     #[inline(always)]
-    fn draw(&self, direction: DVec3, [way, turn]: [f64; 2], straight: f64) -> (Passage, bool) {
-        match &self.scattering {
-            Scattering::Refracted(refracted) => {
-                let aside = self.azimuths.across(direction, turn);
-                let ray = refracted.sample(way);
-                (Passage::refracted(direction, aside, ray.cosine, ray.length), false)
-            }
-            Scattering::Sphere(passages, _) => {
-                let (passage, rest) = passages.draw(way);
-                let aside = self.azimuths.across(direction, rest);
-                if turn < straight {
-                    return (Passage::of_sphere(direction, aside, &passage.straight()), true);
-                }
-                (Passage::of_sphere(direction, aside, passage), false)
-            }
-        }
+    fn draw(
+        &self,
+        direction: DVec3,
+        calibration: &Calibration,
+        of: (&[u8], [f64; 2]),
+    ) -> (Passage, bool) {
+        self.scattering.draw(direction, (&self.azimuths, calibration), of)
     }
 }

@@ -77,7 +77,7 @@ impl Medium {
         let reduced = extinction * (1.0 - sphere::asymmetry(medium));
         let enhancement = sphere::absorption_enhancement(medium);
         // Volume by area: 4 r / 3.
-        let solid = extinction * self.density.mean_radius() * (4.0 / 3.0);
+        let solid = extinction * self.density.mean().radius * (4.0 / 3.0);
         let [clear, behind] = [0.0, LENGTH].map(|length| ice.apply([1.0; 3], length));
         std::array::from_fn(|channel| {
             let left = f64::from(behind[channel] / clear[channel]).clamp(1e-6, 1.0);

@@ -70,7 +70,8 @@ impl MediumPath<'_> {
         let mut random = SearchNumbers::new(self.key, self.event);
         let Some(sample) = small.sought.sample(position, random.next()) else { return };
         let [which, place, _] = random.next();
-        let towards = scattering.towards(direction, sample.direction, [which, place]);
+        let parts = self.medium.density.parts_near(position);
+        let towards = scattering.towards(direction, sample.direction, (parts, [which, place]));
         let Some((density, passage)) = towards else { return };
         let Passage { displacement, length, .. } = passage;
         let through = displacement * radius;

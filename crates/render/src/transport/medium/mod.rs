@@ -6,9 +6,11 @@
 //! - *Volume*: what volume path tracing does with snow. Grains are points that are met after exponential lengths, sigma = 3 phi / (4 r),
 //!   and refract light by the phase function of Bohren and Barkstrom ([`snowgrain_optics::BohrenBarkstrom`]); any number of
 //!   times.
-//! - *Proxy*: between grains a path is free for the mean chord of the void, 4 r (1 - phi) / (3 phi), then strikes a sphere at a random
-//!   place of its disc and goes on from where the closed form lets it out, so that grains take room (`grains`). Real grains let more light through:
-//!   so it passes some of them straight, a part that is measured for each solid fraction ([`CALIBRATION`]).
+//! - *Proxy*: between grains a path is free for the mean chord of the void, 4 r (1 - phi) / (3 phi) of spheres, then strikes a grain at a
+//!   random place of its shadow and goes on from where it leaves it, by the closed form of spheres or by samples of a shape
+//!   (`shape_passages`), so that grains take room (`grains`). Real grains let more light through: so it passes some of them straight, a part
+//!   that is measured for each solid fraction: beforehand for equal spheres of ice ([`CALIBRATION`]), else before the picture
+//!   ([`crate::measure::calibrate_proxy`]).
 //!
 //! - *Dipole*: what fast renderers do. The snow has the surface of the smoothed density, from where light that falls on it
 //!   diffuses (`dipole`).
@@ -16,6 +18,7 @@
 //! Surfaces are met as ever. Lights are found where a path escapes; small ones are looked for at every grain and rough surface.
 
 mod calibration;
+mod composition;
 mod density;
 mod depth;
 mod dipole;
@@ -24,18 +27,21 @@ mod irradiance;
 mod light;
 mod reach;
 mod scattering;
+mod shape_passages;
 mod shells;
 mod skin;
 mod uniform;
 mod walk;
 
-pub use calibration::{CALIBRATION, Calibration};
+pub use calibration::{CALIBRATION, Calibration, KNOWN_INDICES};
+pub(super) use depth::Looking;
 pub use depth::{ProxyInDepth, ProxyStart};
 pub(crate) use walk::trace_in_medium;
 
 use crate::light::{Lights, LitSurfaces};
 use crate::surface::Place;
 use crate::world::World;
+use composition::Composition;
 use density::Density;
 use dipole::Dipole;
 use grains::Grains;
@@ -44,6 +50,8 @@ use reach::Reach;
 use scattering::Scattering;
 use skin::SURFACE_LEVEL;
 use snowgrain_accel::{SurfaceShape, Surfaces};
+use snowgrain_geometry::Shape;
+use snowgrain_grains::{DepositSettings, GrainsError, Radii, ShapeMix};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{Aabb, DAffine3, DVec3, Ray};
 
@@ -66,57 +74,112 @@ enum Inside {
     Skin(f64, Option<Dipole>),
 }
 
+/// Snow as light deep in it meets it, by which the same can be made again.
+#[derive(Clone, Debug)]
+pub struct InnerSnow {
+    /// How it fell; `None` where it is as packs of its solid fraction are.
+    pub fell: Option<DepositSettings>,
+    /// Volume of its grains by volume.
+    pub solid: f64,
+    /// Their sizes.
+    pub radii: Radii,
+    /// Their shapes; `None` where all are spheres.
+    pub mix: Option<ShapeMix>,
+    /// Their relative index.
+    pub eta: f64,
+}
+
+impl InnerSnow {
+    /// Whether [`CALIBRATION`] is that of its grains: equal spheres of ice in air, as in packs.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        let is_equal = matches!(self.radii, Radii::Uniform { variation: 0.0, .. });
+        self.fell.is_none() && self.mix.is_none() && is_equal && KNOWN_INDICES.contains(&self.eta)
+    }
+}
+
+/// A world, the shapes of its objects in their order, lamps last, and those of its grains, if they have any.
+pub type SnowyWorld<'a> = (&'a World, &'a [(SurfaceShape, DAffine3)], &'a [Shape]);
+
 /// The snow of a world as a medium, and how lights are found in it.
 #[derive(Clone, Debug)]
 pub struct Medium {
     density: Density,
+    composition: Composition,
+    eta: f64,
     inside: Inside,
     lights: Lights,
     small: Option<SmallLights>,
 }
 
 impl Medium {
-    /// The snow of a world whose objects have these shapes in their order, lamps last. `looks` for small lights, or waits for paths
-    /// to meet them. `None` where there are no grains.
+    /// The snow of a world. `looks` for small lights, or waits for paths to meet them. `None` where there are no grains.
+    ///
+    /// The proxy has the calibration of equal spheres of ice, whatever its grains are: see [`Self::inner_snow`].
     #[must_use]
     pub fn new(
         kind: MediumKind,
-        (world, shapes): (&World, &[(SurfaceShape, DAffine3)]),
+        (world, shapes, prototypes): SnowyWorld<'_>,
         (lights, looks): (&Lights, bool),
-    ) -> Option<Self> {
-        Self::calibrated(kind, (world, shapes), (lights, looks), &CALIBRATION)
-    }
-
-    /// As [`Self::new`], with what real grains differ by from spheres met at random: by solid fraction, in rising order.
-    #[must_use]
-    pub fn calibrated(
-        kind: MediumKind,
-        (world, shapes): (&World, &[(SurfaceShape, DAffine3)]),
-        (lights, looks): (&Lights, bool),
-        calibration: &[Calibration],
     ) -> Option<Self> {
         let places: Vec<Place> = shapes.iter().map(Place::new).collect();
-        let mut density = Density::new(&world.grid, &world.surfaces, &places)?;
-        let inside = match Scattering::new(kind, world.eta) {
-            Some(scattering) => Inside::Grains(Grains::new(&mut density, scattering, calibration)),
+        let composition = Composition::new(&world.grid, prototypes);
+        let mut density = Density::new(&world.grid, &composition, (&world.surfaces, &places))?;
+        let inside = match Scattering::new(kind, &composition, world.eta) {
+            Some(scattering) => Inside::Grains(Grains::new(&mut density, scattering)),
             None => Inside::Skin(SURFACE_LEVEL * world.grid.extinction(), None),
         };
         Some(Self {
             density,
+            composition,
+            eta: world.eta,
             inside,
             lights: lights.clone(),
             small: looks.then(|| SmallLights::of(lights)).flatten(),
         })
     }
 
-    /// The spheres of a world without surfaces, to be measured: in the dark.
+    /// The grains of a world without surfaces, which have these shapes, if any, to be measured: in the dark.
     #[must_use]
-    pub fn in_the_dark(
-        kind: MediumKind,
-        world: &World,
-        calibration: &[Calibration],
-    ) -> Option<Self> {
-        Self::calibrated(kind, (world, &[]), (&darkness(), false), calibration)
+    pub fn in_the_dark(kind: MediumKind, (world, prototypes): (&World, &[Shape])) -> Option<Self> {
+        Self::new(kind, (world, &[], prototypes), (&darkness(), false))
+    }
+
+    /// The snow where it is most the same; `fell`, how most of it fell by a rule. `None` where grains are not met as the proxy's.
+    ///
+    /// # Errors
+    /// Sizes without meaning.
+    pub fn inner_snow(
+        &self,
+        fell: Option<DepositSettings>,
+    ) -> Result<Option<InnerSnow>, GrainsError> {
+        let Inside::Grains(grains) = &self.inside else { return Ok(None) };
+        if matches!(grains.scattering, Scattering::Refracted(_)) {
+            return Ok(None);
+        }
+        let uniform = grains.uniform.as_ref().map(|grains| grains.uniform.matter);
+        Ok(Some(InnerSnow {
+            fell,
+            solid: uniform.unwrap_or_else(|| self.density.mean()).solid,
+            radii: self.composition.sizes()?,
+            mix: self.composition.mix()?,
+            eta: self.eta,
+        }))
+    }
+
+    /// Part of the surface of its grains that is not within others.
+    #[must_use]
+    pub fn bare_surface(&self) -> f64 {
+        self.composition.overlap().surface
+    }
+
+    /// The same, with what real grains differ by from grains met at random: by solid fraction, in rising order.
+    #[must_use]
+    pub fn calibrated(mut self, table: &[Calibration]) -> Self {
+        if let Inside::Grains(grains) = &mut self.inside {
+            grains.calibrate(table);
+        }
+        self
     }
 
     /// The nodes where this holds, and those of the uniform snow that are so far, metres, from surfaces and from what else there is.

@@ -1,19 +1,28 @@
 //! What a grain of the medium does to a path.
 
-use super::MediumKind;
+use super::composition::Composition;
+use super::shape_passages::ShapePassages;
+use super::{Calibration, MediumKind};
 use core::f64::consts::TAU;
+use snowgrain_geometry::Shape;
+use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, frame, trig};
 use snowgrain_optics::scatter::{PassageTable, SpherePassage, Way};
 use snowgrain_optics::{BohrenBarkstrom, Dielectric, ScatterTable};
 
-/// What a grain does to a path: the closed form of a sphere, or that of its refracted light alone.
+/// What a grain does to a path: the closed form of a sphere, or that of its refracted light alone, or samples.
 #[derive(Clone, Debug)]
 pub(super) enum Scattering {
     /// Grains are points.
     Refracted(BohrenBarkstrom),
     /// Grains are spheres, by tables of their closed form: of passages, and of ways into a given direction.
     Sphere(PassageTable, ScatterTable),
+    /// Grains have shapes, one for each kind.
+    Shapes(Vec<ShapePassages>),
 }
+
+/// What tells the random numbers of grains that turn light twice.
+const TWICE: u64 = 0x7_1ce;
 
 /// Directions across another of which one is drawn.
 #[derive(Clone, Debug)]
@@ -46,42 +55,56 @@ impl Azimuths {
 pub(super) struct Passage {
     /// Unit direction.
     pub(super) direction: DVec3,
+    /// The direction from which it was turned into that, at last.
+    pub(super) turned_from: DVec3,
     /// From where the path met the grain to where it leaves it.
     pub(super) displacement: DVec3,
     /// Length in ice.
     pub(super) length: f64,
-    /// Outward normal where the path met the grain; `None` where grains are points.
-    pub(super) normal: Option<DVec3>,
+    /// Where the path met the grain, from its centre; `None` where grains are points.
+    pub(super) entry: Option<DVec3>,
 }
 
 impl Scattering {
-    /// `None` where light meets no grains.
-    pub(super) fn new(kind: MediumKind, eta: f64) -> Option<Self> {
+    /// Of grains of this composition and relative index. `None` where light meets no grains.
+    pub(super) fn new(kind: MediumKind, composition: &Composition, eta: f64) -> Option<Self> {
         let medium = Dielectric { eta };
-        match kind {
-            MediumKind::Volume => Some(Self::Refracted(BohrenBarkstrom::new(medium))),
-            MediumKind::Proxy => {
+        match (kind, composition.shapes()) {
+            (MediumKind::Volume, _) => Some(Self::Refracted(BohrenBarkstrom::new(medium))),
+            (MediumKind::Proxy, None) => {
                 let ways = ScatterTable::for_air(medium);
                 Some(Self::Sphere(PassageTable::for_air(medium), ways))
             }
-            MediumKind::Dipole => None,
+            (MediumKind::Proxy, Some(shapes)) => {
+                let of_shape = |shape: &&Shape| ShapePassages::new(shape, eta);
+                Some(Self::Shapes(shapes.iter().map(of_shape).collect()))
+            }
+            (MediumKind::Dipole, _) => None,
+        }
+    }
+
+    /// Memory of samples, bytes.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        match self {
+            Self::Refracted(_) | Self::Sphere(..) => 0,
+            Self::Shapes(kinds) => kinds.iter().map(ShapePassages::memory_bytes).sum(),
         }
     }
 
     /// Density of scattering from one direction into another, 1/sr, and one way of those that make it up; two
-    /// uniform numbers. `None` where there is none.
+    /// uniform numbers, and what grains there are (see [`drawn_of`]). `None` where there is none.
     pub(super) fn towards(
         &self,
         direction: DVec3,
         wanted: DVec3,
-        random: [f64; 2],
+        (parts, random): (&[u8], [f64; 2]),
     ) -> Option<(f64, Passage)> {
         let cosine = direction.dot(wanted).clamp(-1.0, 1.0);
         match self {
             Self::Refracted(refracted) => {
                 let density = refracted.density(cosine);
                 let length = refracted.length(cosine);
-                (density > 0.0).then(|| (density, Passage::of_point(wanted, length)))
+                (density > 0.0).then(|| (density, Passage::of_point(direction, wanted, length)))
             }
             Self::Sphere(_, table) => {
                 let way = table.way(cosine, random)?;
@@ -89,14 +112,126 @@ impl Scattering {
                 let aside = aside.unwrap_or_else(|| frame::tangents(direction).0);
                 Some((table.density(cosine), Passage::through(direction, aside, cosine, way)))
             }
+            Self::Shapes(kinds) => {
+                let (kind, rest) = drawn_of(parts, random[0]);
+                kinds[kind].towards(direction, wanted, rest)
+            }
         }
     }
+
+    /// What a grain does to a path, and whether that goes straight on; two uniform numbers, and what grains there are (see
+    /// [`drawn_of`]). Some let it straight through, or turn it twice, by a calibration.
+    #[inline(always)]
+    pub(super) fn draw(
+        &self,
+        direction: DVec3,
+        (azimuths, calibration): (&Azimuths, &Calibration),
+        (parts, [way, turn]): (&[u8], [f64; 2]),
+    ) -> (Passage, bool) {
+        let straight = calibration.straight;
+        let (mut passage, is_straight) = if turn < straight {
+            self.draw_straight(direction, azimuths, (parts, [way, turn / straight]))
+        } else if turn < -straight {
+            (self.draw_twice(direction, azimuths, (parts, [way, turn])), false)
+        } else {
+            let left = straight.abs();
+            let turn = if left > 0.0 { (turn - left) / (1.0 - left) } else { turn };
+            self.draw_once(direction, azimuths, (parts, [way, turn]))
+        };
+        passage.length *= calibration.ice;
+        (passage, is_straight)
+    }
+
+    /// As a lone grain does.
+    #[inline(always)]
+    fn draw_once(
+        &self,
+        direction: DVec3,
+        azimuths: &Azimuths,
+        (parts, [way, turn]): (&[u8], [f64; 2]),
+    ) -> (Passage, bool) {
+        match self {
+            Self::Refracted(refracted) => {
+                let aside = azimuths.across(direction, turn);
+                let ray = refracted.sample(way);
+                (Passage::refracted(direction, aside, ray.cosine, ray.length), false)
+            }
+            Self::Sphere(passages, _) => {
+                let (passage, rest) = passages.draw(way);
+                let aside = azimuths.across(direction, rest);
+                (Passage::of_sphere(direction, aside, passage), false)
+            }
+            Self::Shapes(kinds) => {
+                let (kind, way) = drawn_of(parts, way);
+                kinds[kind].draw(direction, azimuths.across(direction, turn), way)
+            }
+        }
+    }
+
+    /// Straight on, with the ice of the way that it else would have.
+    fn draw_straight(
+        &self,
+        direction: DVec3,
+        azimuths: &Azimuths,
+        (parts, [way, turn]): (&[u8], [f64; 2]),
+    ) -> (Passage, bool) {
+        match self {
+            Self::Refracted(_) => self.draw_once(direction, azimuths, (parts, [way, turn])),
+            Self::Sphere(passages, _) => {
+                let (passage, rest) = passages.draw(way);
+                let aside = azimuths.across(direction, rest);
+                (Passage::of_sphere(direction, aside, &passage.straight()), true)
+            }
+            Self::Shapes(kinds) => {
+                let (kind, way) = drawn_of(parts, way);
+                let aside = azimuths.across(direction, turn);
+                (kinds[kind].draw_straight(direction, aside, way), true)
+            }
+        }
+    }
+
+    /// As a lone grain does, and turned once more where it comes in or where it leaves, as likely: so light that goes back does the same.
+    fn draw_twice(
+        &self,
+        direction: DVec3,
+        azimuths: &Azimuths,
+        (parts, drawn): (&[u8], [f64; 2]),
+    ) -> Passage {
+        let [way, turn] = drawn.map(f64::to_bits);
+        let key = PathKey::new(way, turn, TWICE);
+        let [first, second] = [0, 1].map(|event| numbers(key, event).map(f64::from));
+        let once = |direction, [way, turn, _]: [f64; 3]| {
+            self.draw_once(direction, azimuths, (parts, [way, turn])).0
+        };
+        if first[2] < 0.5 {
+            return once(once(direction, first).direction, second);
+        }
+        let passage = once(direction, first);
+        let turned_from = passage.direction;
+        Passage { direction: once(turned_from, second).direction, turned_from, ..passage }
+    }
+}
+
+/// One of the kinds of grains that have these parts of all, by a uniform number, and what is left of that; the only one where there are
+/// no parts.
+#[inline]
+fn drawn_of(parts: &[u8], random: f64) -> (usize, f64) {
+    let all: u32 = parts.iter().map(|&part| u32::from(part)).sum();
+    let mut wanted = random * f64::from(all);
+    for (kind, &part) in parts.iter().enumerate() {
+        let part = f64::from(part);
+        if wanted < part {
+            return (kind, (wanted / part).min(1.0f64.next_down()));
+        }
+        wanted -= part;
+    }
+    (0, random)
 }
 
 impl Passage {
     /// Of a point that refracts by an angle of this cosine, towards a unit vector across.
     pub(super) fn refracted(direction: DVec3, aside: DVec3, cosine: f64, length: f64) -> Self {
-        Self::of_point(turned(direction, aside, cosine), length)
+        Self::of_point(direction, turned(direction, aside, cosine), length)
     }
 
     /// Through a sphere that is met on the side of a unit vector across the direction.
@@ -108,14 +243,15 @@ impl Passage {
         Self {
             // A step of Newton's towards unit length, which it has but for rounding.
             direction: turned * (1.5 - 0.5 * turned.length_squared()),
+            turned_from: direction,
             displacement: vector(passage.displacement),
             length: f64::from(passage.length),
-            normal: Some(vector(passage.entry)),
+            entry: Some(vector(passage.entry)),
         }
     }
 
-    fn of_point(direction: DVec3, length: f64) -> Self {
-        Self { direction, displacement: DVec3::ZERO, length, normal: None }
+    fn of_point(turned_from: DVec3, direction: DVec3, length: f64) -> Self {
+        Self { direction, turned_from, displacement: DVec3::ZERO, length, entry: None }
     }
 
     /// A way through a sphere in the plane of two unit vectors across each other.
@@ -127,9 +263,10 @@ impl Passage {
         let entry = normal(way.entry);
         Self {
             direction: turned(direction, aside, cosine),
+            turned_from: direction,
             displacement: normal(way.exit) - entry,
             length: way.length,
-            normal: Some(entry),
+            entry: Some(entry),
         }
     }
 }

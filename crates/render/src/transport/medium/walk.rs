@@ -145,7 +145,7 @@ impl MediumPath<'_> {
         let Ray { origin: position, direction } = arrival;
         let Meeting { radius, passage, is_straight, .. } = *met;
         if !is_straight {
-            self.look_at_grain(position, direction, (&grains.scattering, radius));
+            self.look_at_grain(position, passage.turned_from, (&grains.scattering, radius));
         }
         self.note_first_grain(position, direction, &passage);
         self.grain_visits += 1;
@@ -177,7 +177,8 @@ impl MediumPath<'_> {
             return;
         }
         let outwards = || self.medium.density.outwards(position).try_normalize();
-        let normal = passage.normal.or_else(outwards).unwrap_or(-direction);
+        let normal =
+            passage.entry.and_then(DVec3::try_normalize).or_else(outwards).unwrap_or(-direction);
         let is_shadow_catcher = false;
         self.first_hit = Some(FirstHit { position, normal, albedo: [1.0; 3], is_shadow_catcher });
     }

@@ -68,7 +68,7 @@ impl Seeker<'_> {
             Met::Infinity(direction) | Met::Surface { direction, .. } => direction,
         };
         let chance = if search.is_sought[light] {
-            self.chance(trail, search.roles[light], direction, (path, order))
+            self.chance(trail, light, direction, (path, order))
         } else {
             Chance::All(&search.lights)
         };
@@ -103,19 +103,21 @@ impl Seeker<'_> {
         });
     }
 
-    /// What counts of a light that is looked for.
+    /// What counts of a light, by its index, that is looked for.
     fn chance(
         &self,
         trail: &Trail,
-        role: LightRole,
+        light: usize,
         direction: DVec3,
         (path, order): (&PathResult, u32),
     ) -> Chance<'_> {
         let search = self.search;
+        let role = search.roles[light];
         match (order, trail.vertex, trail.turned) {
             (0, Vertex::Surface(position, scatterer), _) => {
                 Chance::Beside(&search.late, position, scatterer.density(direction))
             }
+            (0, Vertex::Deep(true), _) if search.lights.is_small(light) => Chance::Nothing,
             (0, _, _) => Chance::All(&search.lights),
             (1..=GRAINS_BEFORE_SUNS, _, _) if role == LightRole::Sun => {
                 let first = order == 1 && trail.vertex == Vertex::Camera;

@@ -44,7 +44,8 @@ impl Seeker<'_> {
         // The balance heuristic; nothing meets a point by chance.
         let rivals = if sample.is_point { 0.0 } else { density };
         let weight = gain * density / (chance * (sample.pdf + rivals));
-        let (ice_length, ice_in_strata) = self.ice_of(visit, &way);
+        let (ice_since, ice_in_strata) = self.ice_of(visit, &way);
+        let ice_length = state.ice_before + ice_since;
         let brings = Brings::Light(Contribution {
             slot: sample.slot,
             glint: false,

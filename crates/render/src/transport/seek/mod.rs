@@ -231,6 +231,8 @@ enum Vertex {
     SmoothSurface,
     /// On a surface within a grain.
     SurfaceInIce,
+    /// Deep in the snow, where grains were met at random; whether small lights were looked for there, by the medium.
+    Deep(bool),
 }
 
 /// What the search keeps of a path.
@@ -242,8 +244,9 @@ pub(super) struct Trail {
     /// Grains that it went into from ice since it last met air.
     from_ice: u32,
     vertex: Vertex,
-    /// Arrivals at grains from air before the vertex.
+    /// Arrivals at grains from air before the vertex, and those of which the flight does not know any more.
     visits_before: u32,
+    visits_forgotten: u32,
     /// The last arrival since the vertex, and the last one of a grain that turned the path.
     last: Option<LastArrival>,
     turned: Option<LastArrival>,
@@ -290,7 +293,16 @@ impl Trail {
 
     /// How many grains the path has met since the vertex, of `grain_visits` in all.
     fn order(&self, grain_visits: u32) -> u32 {
-        grain_visits - self.visits_before + u32::from(self.vertex == Vertex::SurfaceInIce)
+        let since = grain_visits + self.visits_forgotten - self.visits_before;
+        since + u32::from(self.vertex == Vertex::SurfaceInIce)
+    }
+
+    /// For a path that has met so many grains, in the flight and then at random, and begins in the flight again, in air.
+    pub(super) fn emerge(&mut self, grain_visits: u32, looked: bool) {
+        self.visits_forgotten += grain_visits;
+        (self.last, self.turned, self.from_ice) = (None, None, 0);
+        (self.first_grain, self.second_grain) = (None, None);
+        self.vertex = Vertex::Deep(looked);
     }
 }
 
@@ -299,6 +311,8 @@ impl Trail {
 pub(crate) struct PathState {
     pub(super) key: PathKey,
     pub(super) throughput: [f32; 3],
+    /// Length in ice before the flight began to count, metres.
+    pub(super) ice_before: f64,
 }
 
 /// Looks for light for the paths of one thread.

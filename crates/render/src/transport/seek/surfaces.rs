@@ -33,7 +33,7 @@ impl Seeker<'_> {
         state: &PathState,
     ) {
         let trail = &mut trails[bounce.lane];
-        trail.visits_before = bounce.grain_visits;
+        (trail.visits_before, trail.visits_forgotten) = (bounce.grain_visits, 0);
         trail.through_ice = false;
         (trail.last, trail.turned) = (None, None);
         (trail.first_grain, trail.second_grain) = (None, None);
