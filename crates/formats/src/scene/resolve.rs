@@ -126,10 +126,11 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
     if objects.is_empty() && snow.is_empty() {
         return Err(checks.missing("snow", "the scene is empty; add [[snow]] or [[object]]"));
     }
+    let light_finding = lights::finding(&checks, &lights)?;
+    let has_small_lights = light_finding != LightFinding::Exact;
     let integrator = match file.document.integrator.kind {
-        IntegratorName::Grains => {
-            deep::proxy(&checks)?.map_or(IntegratorKind::Grains, IntegratorKind::ProxyInDepth)
-        }
+        IntegratorName::Grains => deep::proxy(&checks, has_small_lights)?
+            .map_or(IntegratorKind::Grains, IntegratorKind::ProxyInDepth),
         IntegratorName::Volume => IntegratorKind::Medium(MediumKind::Volume),
         IntegratorName::Proxy => IntegratorKind::Medium(MediumKind::Proxy),
         IntegratorName::Dipole => IntegratorKind::Medium(MediumKind::Dipole),
@@ -138,8 +139,7 @@ pub fn resolve(file: &SceneFile, loader: Loader<'_>) -> Result<SceneDescription,
         PackingName::Fast => Packing::Fast,
         PackingName::Compact => Packing::Compact,
     });
-    let light_finding = lights::finding(&checks, &lights)?;
-    let deep = deep::deep(&checks, light_finding != LightFinding::Exact)?;
+    let deep = deep::deep(&checks, has_small_lights)?;
     let scene = SceneDescription {
         film,
         camera,

@@ -59,8 +59,11 @@ fn depth(checks: &Checks<'_>) -> Result<Option<f64>, SceneError> {
     Ok(depth)
 }
 
-/// Where light goes on as the proxy; `None` where it does not.
-pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneError> {
+/// Where light goes on as the proxy; `None` where it does not. Where small lights are looked for that is farther down.
+pub(super) fn proxy(
+    checks: &Checks<'_>,
+    has_small_lights: bool,
+) -> Result<Option<ProxyStart>, SceneError> {
     let table = &checks.document().integrator;
     let jumps = match table.deep {
         DeepName::Proxy => false,
@@ -75,6 +78,7 @@ pub(super) fn proxy(checks: &Checks<'_>) -> Result<Option<ProxyStart>, SceneErro
         return Err(checks.misplaced(key, "needs integrator.deep = \"learnt\""));
     }
     let known = DeepSettings::for_error(DEFAULT_ERROR);
+    let known = if has_small_lights { known.map(DeepSettings::under_small_lights) } else { known };
     let [after_grains, deep] = known.map_or([0.0; 2], |s| [f64::from(s.after_grains[0]), s.depth]);
     Ok(Some(ProxyStart {
         after_grains: table.deep_after_grains.unwrap_or(after_grains as u32),

@@ -6,14 +6,13 @@
 //!
 //! Where it has room it may jump from sphere to sphere ([`super::shells`]), as the same proxy does grain by grain.
 
+use super::deep_light::Looking;
 use super::grains::{Grains, Meeting};
 use super::reach::Reach;
 use super::shells::{Jump, Shells};
 use super::uniform_numbers;
-use super::walk::MediumPath;
 use super::{Calibration, Inside, Medium, MediumKind, SnowyWorld, darkness};
 use crate::light::Lights;
-use crate::transport::Contribution;
 use crate::transport::deep::Scale;
 use crate::world::World;
 use core::convert::Infallible;
@@ -42,7 +41,7 @@ const TRIES: u32 = 64;
 /// Snow that is met as the proxy where it is deep.
 #[derive(Clone, Debug)]
 pub struct ProxyInDepth {
-    medium: Medium,
+    pub(super) medium: Medium,
     /// Nodes around which it stays the proxy: deep cells, and holes in them, which are there by chance.
     deep: Reach,
     shells: Option<Shells>,
@@ -65,14 +64,6 @@ pub(in super::super) struct Emerged {
     pub(in super::super) event: u32,
     /// Whether small lights were looked for where it was last turned.
     pub(in super::super) looked: bool,
-}
-
-/// What a path brings along that looks for small lights, and where what it finds is put.
-pub(in super::super) struct Looking<'a> {
-    pub(in super::super) throughput: [f32; 3],
-    /// Length in ice before its arrival, metres.
-    pub(in super::super) ice_before: f64,
-    pub(in super::super) found: &'a mut Vec<Contribution>,
 }
 
 impl ProxyInDepth {
@@ -133,7 +124,7 @@ impl ProxyInDepth {
     }
 
     /// Follows a path from its arrival at a grain until it leaves the deep cells, and looks for small lights where those are looked
-    /// for: what hides them is the medium.
+    /// for.
     pub(in super::super) fn follow(
         &self,
         world: &World,
@@ -146,12 +137,6 @@ impl ProxyInDepth {
         let Inside::Grains(grains) = &self.medium.inside else {
             unreachable!("the proxy meets grains")
         };
-        let ice_before = looking.as_ref().map_or(0.0, |looking| looking.ice_before);
-        let looker = looking.map(|Looking { throughput, found, .. }| {
-            let mut path = MediumPath::new((world, &self.medium), key, visit.event, found);
-            path.throughput = throughput;
-            path
-        });
         let mut deep = DeepPath {
             proxy: self,
             grains,
@@ -160,8 +145,7 @@ impl ProxyInDepth {
             event: visit.event,
             ice_length: 0.0,
             grain_visits: 0,
-            ice_before,
-            looker,
+            looking,
             looked: false,
         };
         let center = world.grid.world(visit.center);
@@ -196,20 +180,18 @@ enum Flown {
 }
 
 /// A path between its arrival and its leaving.
-struct DeepPath<'a> {
-    proxy: &'a ProxyInDepth,
-    grains: &'a Grains,
+pub(super) struct DeepPath<'a> {
+    pub(super) proxy: &'a ProxyInDepth,
+    pub(super) grains: &'a Grains,
     world: &'a World,
-    key: PathKey,
-    event: u32,
-    ice_length: f64,
+    pub(super) key: PathKey,
+    pub(super) event: u32,
+    pub(super) ice_length: f64,
     grain_visits: u32,
-    /// Length in ice before its arrival.
-    ice_before: f64,
-    /// The same path where it looks for small lights.
-    looker: Option<MediumPath<'a>>,
+    /// Where it looks for small lights.
+    pub(super) looking: Option<Looking<'a>>,
     /// Whether it did so where it was last turned.
-    looked: bool,
+    pub(super) looked: bool,
 }
 
 impl DeepPath<'_> {
@@ -232,16 +214,6 @@ impl DeepPath<'_> {
         self.ice_length += met.passage.length * met.radius;
         self.grain_visits += 1;
         Ray::new(arrival.origin + met.passage.displacement * met.radius, met.passage.direction)
-    }
-
-    /// Looks for small lights at a grain that is met, if it turns the path.
-    fn look(&mut self, position: DVec3, met: &Meeting) {
-        let Some(looker) = self.looker.as_mut().filter(|_| !met.is_straight) else { return };
-        looker.event = self.event;
-        looker.ice_length = self.ice_before + self.ice_length;
-        let grain = (&self.grains.scattering, met.radius);
-        looker.look_at_grain(position, met.passage.turned_from, grain);
-        self.looked = true;
     }
 
     /// Over spheres as long as there is room.
@@ -269,14 +241,20 @@ impl DeepPath<'_> {
         let density = &proxy.medium.density;
         let met = grains.meeting(density, ray, f64::INFINITY, || self.random());
         let end = met.map_or(f64::INFINITY, |met| met.t);
-        let mut t = self.deep_room(ray.origin);
-        while t < end {
-            if !self.is_deep(ray.at(t)) {
-                return Flown::Out(ray.at(t));
-            }
-            t += proxy.step;
+        let t = self.leaves_deep(ray, end);
+        match met {
+            Some(met) if t >= end => Flown::Met(met),
+            _ => Flown::Out(ray.at(t)),
         }
-        met.map_or_else(|| Flown::Out(ray.at(t)), Flown::Met)
+    }
+
+    /// How far along a ray it leaves the deep cells, in steps; `end` if that is nearer.
+    pub(super) fn leaves_deep(&self, ray: &Ray, end: f64) -> f64 {
+        let mut t = self.deep_room(ray.origin);
+        while t < end && self.is_deep(ray.at(t)) {
+            t += self.proxy.step;
+        }
+        t.min(end)
     }
 
     /// How far around a place all is deep, as far as nodes tell, metres.
@@ -291,7 +269,7 @@ impl DeepPath<'_> {
     }
 
     /// The place, or one nearby that is not in ice.
-    fn in_air_near(&mut self, place: DVec3, radius: f64) -> Option<DVec3> {
+    pub(super) fn in_air_near(&mut self, place: DVec3, radius: f64) -> Option<DVec3> {
         let mut tried = place;
         for _ in 0..TRIES {
             if !self.world.grid.is_inside_grain(tried) {

@@ -19,7 +19,7 @@ const SEARCH: u64 = 0x3ed1_u64 << 32;
 #[derive(Clone, Debug)]
 pub(super) struct SmallLights {
     /// They alone, and the others alone; the indices are those of all lights.
-    sought: Lights,
+    pub(super) sought: Lights,
     others: Lights,
     is_sought: Vec<bool>,
 }
@@ -39,30 +39,31 @@ impl SmallLights {
 }
 
 /// Random numbers of what is looked for at one event of a path.
-struct SearchNumbers {
+pub(super) struct SearchNumbers {
     key: PathKey,
     event: u32,
 }
 
 impl SearchNumbers {
-    fn new(key: PathKey, event: u32) -> Self {
+    pub(super) fn new(key: PathKey, event: u32) -> Self {
         let word = u64::from(key.hi) << 32 | u64::from(key.lo);
         let mixed = split_mix(word ^ SEARCH ^ split_mix(u64::from(event)));
         Self { key: PathKey { lo: mixed as u32, hi: (mixed >> 32) as u32 }, event: 0 }
     }
 
-    fn next(&mut self) -> [f64; 3] {
+    pub(super) fn next(&mut self) -> [f64; 3] {
         self.event += 1;
         uniform_numbers(self.key, self.event - 1)
     }
 }
 
 impl MediumPath<'_> {
-    /// Looks for light at a grain that is met at `position` by a path that is still to be turned.
+    /// Looks for light at a grain that is met at `position`, by the direction from which a passage turns the path and the kind of what
+    /// turns it.
     pub(super) fn look_at_grain(
         &mut self,
         position: DVec3,
-        direction: DVec3,
+        &Passage { turned_from: direction, kind, .. }: &Passage,
         (scattering, radius): (&Scattering, f64),
     ) {
         let Some(small) = &self.medium.small else { return };
@@ -70,8 +71,7 @@ impl MediumPath<'_> {
         let mut random = SearchNumbers::new(self.key, self.event);
         let Some(sample) = small.sought.sample(position, random.next()) else { return };
         let [which, place, _] = random.next();
-        let parts = self.medium.density.parts_near(position);
-        let towards = scattering.towards(direction, sample.direction, (parts, [which, place]));
+        let towards = scattering.towards(direction, sample.direction, (kind, [which, place]));
         let Some((density, passage)) = towards else { return };
         let Passage { displacement, length, .. } = passage;
         let through = displacement * radius;

@@ -19,6 +19,7 @@
 
 mod calibration;
 mod composition;
+mod deep_light;
 mod density;
 mod depth;
 mod dipole;
@@ -34,7 +35,7 @@ mod uniform;
 mod walk;
 
 pub use calibration::{CALIBRATION, Calibration, KNOWN_INDICES};
-pub(super) use depth::Looking;
+pub(super) use deep_light::{DeepLight, Looking};
 pub use depth::{ProxyInDepth, ProxyStart};
 pub(crate) use walk::trace_in_medium;
 

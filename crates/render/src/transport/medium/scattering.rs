@@ -63,6 +63,8 @@ pub(super) struct Passage {
     pub(super) length: f64,
     /// Where the path met the grain, from its centre; `None` where grains are points.
     pub(super) entry: Option<DVec3>,
+    /// The kind of the grain that turned it at last.
+    pub(super) kind: usize,
 }
 
 impl Scattering {
@@ -91,13 +93,13 @@ impl Scattering {
         }
     }
 
-    /// Density of scattering from one direction into another, 1/sr, and one way of those that make it up; two
-    /// uniform numbers, and what grains there are (see [`drawn_of`]). `None` where there is none.
+    /// Density of scattering from one direction into another, 1/sr, of light that a grain of a kind turns, and one way of those that make
+    /// it up; two uniform numbers. `None` where there is none.
     pub(super) fn towards(
         &self,
         direction: DVec3,
         wanted: DVec3,
-        (parts, random): (&[u8], [f64; 2]),
+        (kind, random): (usize, [f64; 2]),
     ) -> Option<(f64, Passage)> {
         let cosine = direction.dot(wanted).clamp(-1.0, 1.0);
         match self {
@@ -112,10 +114,7 @@ impl Scattering {
                 let aside = aside.unwrap_or_else(|| frame::tangents(direction).0);
                 Some((table.density(cosine), Passage::through(direction, aside, cosine, way)))
             }
-            Self::Shapes(kinds) => {
-                let (kind, rest) = drawn_of(parts, random[0]);
-                kinds[kind].towards(direction, wanted, rest)
-            }
+            Self::Shapes(kinds) => kinds[kind].towards(direction, wanted, random[0]),
         }
     }
 
@@ -163,7 +162,9 @@ impl Scattering {
             }
             Self::Shapes(kinds) => {
                 let (kind, way) = drawn_of(parts, way);
-                kinds[kind].draw(direction, azimuths.across(direction, turn), way)
+                let aside = azimuths.across(direction, turn);
+                let (passage, is_straight) = kinds[kind].draw(direction, aside, way);
+                (Passage { kind, ..passage }, is_straight)
             }
         }
     }
@@ -207,8 +208,9 @@ impl Scattering {
             return once(once(direction, first).direction, second);
         }
         let passage = once(direction, first);
-        let turned_from = passage.direction;
-        Passage { direction: once(turned_from, second).direction, turned_from, ..passage }
+        let last = once(passage.direction, second);
+        let (direction, turned_from, kind) = (last.direction, passage.direction, last.kind);
+        Passage { direction, turned_from, kind, ..passage }
     }
 }
 
@@ -247,11 +249,12 @@ impl Passage {
             displacement: vector(passage.displacement),
             length: f64::from(passage.length),
             entry: Some(vector(passage.entry)),
+            kind: 0,
         }
     }
 
     fn of_point(turned_from: DVec3, direction: DVec3, length: f64) -> Self {
-        Self { direction, turned_from, displacement: DVec3::ZERO, length, entry: None }
+        Self { direction, turned_from, displacement: DVec3::ZERO, length, entry: None, kind: 0 }
     }
 
     /// A way through a sphere in the plane of two unit vectors across each other.
@@ -267,6 +270,7 @@ impl Passage {
             displacement: normal(way.exit) - entry,
             length: way.length,
             entry: Some(entry),
+            kind: 0,
         }
     }
 }

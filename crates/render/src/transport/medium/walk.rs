@@ -145,7 +145,7 @@ impl MediumPath<'_> {
         let Ray { origin: position, direction } = arrival;
         let Meeting { radius, passage, is_straight, .. } = *met;
         if !is_straight {
-            self.look_at_grain(position, passage.turned_from, (&grains.scattering, radius));
+            self.look_at_grain(position, &passage, (&grains.scattering, radius));
         }
         self.note_first_grain(position, direction, &passage);
         self.grain_visits += 1;

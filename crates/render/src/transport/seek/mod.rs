@@ -22,6 +22,7 @@
 mod agreement;
 pub mod calibrate;
 mod chance;
+mod deep;
 mod first_grain;
 mod first_shape;
 mod gains;
@@ -231,7 +232,7 @@ enum Vertex {
     SmoothSurface,
     /// On a surface within a grain.
     SurfaceInIce,
-    /// Deep in the snow, where grains were met at random; whether small lights were looked for there, by the medium.
+    /// Deep in the snow, where grains were met at random; whether small lights were looked for there.
     Deep(bool),
 }
 
