@@ -149,8 +149,8 @@ and exactly again when it comes out: it loses and makes no light, and learns not
 
 The smoothed density has nodes four mean radii apart; each grain adds to the eight around its centre, and between nodes it is trilinear. What a grain's ball \
 would put into a solid object is given back to the snow before it. `proxy`, `deep = \"proxy\"` and `deep = \"shells\"` know grains of all shapes, sizes and \
-substances that lie in all directions alike, but no lattices; `volume` and `dipole` know spheres. All have one load of impurities for all snow, and no dispersion, \
-media no shadow catchers; `dipole` has no lengths in ice to be graded again. \
+substances that lie in all directions alike, but no lattices; `volume` and `dipole` know spheres, and one load of impurities for all snow. Media show no dispersion \
+and no shadow catchers (the deep roads do, but refract by one index deep down); `dipole` has no lengths in ice to be graded again. \
 Suns and small lamps are looked for at every grain and rough surface; the dipole gathers them where they fall on the snow.
 
 In the proxy a grain is met by the density at its centre, which lies ahead of the path, and as often as there is void around the path to be in. So uniform \

@@ -14,6 +14,8 @@ pub struct GridGrain {
     pub radius: f64,
     /// Which of the prototypes of the grid it has the shape of, and how it is turned; `None` in a grid of spheres.
     pub shape: Option<GrainShape>,
+    /// Its stratum; 0 is none.
+    pub stratum: u8,
 }
 
 impl GrainGrid {
@@ -34,6 +36,7 @@ impl GrainGrid {
                         center: self.world_of(cell, local),
                         radius: radius * quantum,
                         shape: self.shape_of(index, slot),
+                        stratum: self.strata.get(index).map_or(0, |strata| strata[slot]),
                     });
                 }
             }

@@ -9,6 +9,7 @@
 //! with what others brought from there ([`deep`]). Snow may stand for a medium in which no single grain is met ([`medium`]).
 
 pub mod deep;
+mod ice;
 pub mod medium;
 mod over_picture;
 pub mod seek;

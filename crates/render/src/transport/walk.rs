@@ -3,6 +3,7 @@
 mod deep;
 
 use super::deep::Deep;
+use super::ice::IceLength;
 use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
     Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
@@ -37,7 +38,7 @@ struct Walker<Tag> {
 /// What a path did before its lane in the flight began to count.
 #[derive(Clone, Copy, Default)]
 struct Before {
-    ice_length: f64,
+    ice: IceLength,
     air_length: f64,
     grain_visits: u32,
     interface_events: u32,
@@ -46,7 +47,7 @@ struct Before {
 impl<Tag> Walker<Tag> {
     fn state(&self) -> PathState {
         let Self { key, throughput, before, .. } = self;
-        PathState { key: *key, throughput: *throughput, ice_before: before.ice_length }
+        PathState { key: *key, throughput: *throughput, ice_before: before.ice }
     }
 }
 
@@ -369,6 +370,8 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let Some(Search { seeker, trails }) = &mut self.search else { return };
         let walker = self.walkers[lane].as_ref().expect("a lane with an event has a walker");
         let travelled = self.flight.travelled(lane);
+        let in_strata = self.flight.ice_in_strata(lane);
+        let ice = IceLength { all: travelled.ice_length, in_strata };
         let bounce = Bounce {
             lane,
             position,
@@ -377,8 +380,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
             in_ice: self.flight.is_in_ice(lane),
             event,
             grain_visits: travelled.grain_visits,
-            ice_length: walker.before.ice_length + travelled.ice_length,
-            ice_in_strata: self.flight.ice_in_strata(lane),
+            ice: walker.before.ice + ice,
         };
         seeker.at_surface(&bounce, trails, &walker.state());
     }
@@ -444,13 +446,14 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let first_hit = self.first_hit(lane);
         let walker = self.walkers[lane].take().expect("a lane that ends has a walker");
         let before = walker.before;
+        let ice = before.ice + IceLength { all: travelled.ice_length, in_strata: ice_in_strata };
         let events = before.interface_events + (travelled.event - walker.start_event);
         let interface_events = events - walker.surface_bounces - walker.releases;
         let result = PathResult {
             end,
             throughput: walker.throughput,
-            ice_length: before.ice_length + travelled.ice_length,
-            ice_in_strata,
+            ice_length: ice.all,
+            ice_in_strata: ice.in_strata,
             air_length: before.air_length + travelled.air_length,
             grain_visits: before.grain_visits + travelled.grain_visits,
             interface_events,

@@ -26,7 +26,10 @@ pub(super) fn refuse_beyond(
         (deep, "follows all light to its end; leave integrator.deep out"),
         (!proxy && scene.has_shapes(), "knows spheres alone, and some grains have shapes"),
         (proxy && has_directions(scene), DIRECTIONS),
-        (!scene.strata.loads.is_empty(), STRATA),
+        (
+            !proxy && !scene.strata.loads.is_empty(),
+            "does not tell the impurities of one snow from another's",
+        ),
         (scene.ice.disperses, "knows no dispersion; leave material.dispersion out"),
         (catches, "shows no shadow catchers"),
         (proxy && has_lattices(scene), LATTICES),
@@ -52,7 +55,6 @@ pub(super) fn refuse_beyond(
 
 const DIRECTIONS: &str =
     "takes grains to lie in all directions alike, and some lie level or along an axis";
-const STRATA: &str = "does not tell the impurities of one snow from another's";
 const LATTICES: &str = "takes grains to lie at random, and some snow is a lattice";
 
 fn has_lattices(scene: &SceneDescription) -> bool {
@@ -70,12 +72,7 @@ fn refuse_proxy(
     scene: &SceneDescription,
     jumps: bool,
 ) -> Result<(), SceneError> {
-    let cases = [
-        (has_directions(scene), DIRECTIONS),
-        (!scene.strata.loads.is_empty(), STRATA),
-        (scene.ice.disperses, "knows no dispersion; leave material.dispersion out"),
-        (has_lattices(scene), LATTICES),
-    ];
+    let cases = [(has_directions(scene), DIRECTIONS), (has_lattices(scene), LATTICES)];
     let why = cases.into_iter().find(|(beyond, _)| *beyond);
     let name = if jumps { "shells" } else { "proxy" };
     why.map_or(Ok(()), |(_, why)| Err(checks.bad("integrator.deep", format!("\"{name}\" {why}"))))

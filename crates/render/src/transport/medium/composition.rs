@@ -5,7 +5,7 @@ mod overlap;
 pub(super) use overlap::Overlap;
 
 use core::f64::consts::PI;
-use snowgrain_accel::GrainGrid;
+use snowgrain_accel::{GrainGrid, GridGrain, STRATA};
 use snowgrain_geometry::{GrainShape, Shape};
 use snowgrain_grains::{GrainsError, MixedShape, Orientation, Radii, ShapeMix};
 use std::sync::Arc;
@@ -17,18 +17,27 @@ const EQUAL: f64 = 1.1;
 /// Seed by which shapes are dealt out anew.
 const SEED: u64 = 0xc0_4905;
 
+/// Strata, and none.
+const STRATA_AND_NONE: usize = STRATA + 1;
+
+/// A number of the prototype and the stratum of a grain.
+fn number_of(grain: &GridGrain) -> usize {
+    let prototype = grain.shape.map_or(0, GrainShape::prototype);
+    prototype * STRATA_AND_NONE + usize::from(grain.stratum)
+}
+
 /// The shapes and sizes of grains.
 #[derive(Clone, Debug)]
 pub(super) struct Composition {
     kinds: Vec<Kind>,
-    /// The kind of each prototype of the grid, where there are grains of it.
+    /// The kind of each prototype of the grid and each stratum, where there are grains of both.
     kind_of: Vec<Option<usize>>,
     /// Radii, metres, and how many grains have each, in rising order.
     radii: Vec<(f64, u64)>,
     overlap: Overlap,
 }
 
-/// Grains of one shape.
+/// Grains of one shape in one stratum.
 #[derive(Clone, Debug)]
 struct Kind {
     /// `None`: spheres in a world of spheres.
@@ -36,15 +45,16 @@ struct Kind {
     /// Mean area of a shadow, in squares of the radius.
     shadow: f64,
     grains: u64,
+    stratum: u8,
 }
 
 impl Composition {
     /// Of the grains of a grid that have the shapes of these prototypes, if any.
     pub(super) fn new(grid: &GrainGrid, prototypes: &[Shape]) -> Self {
-        let mut counts = vec![0u64; prototypes.len().max(1)];
+        let mut counts = vec![0u64; prototypes.len().max(1) * STRATA_AND_NONE];
         let mut sizes: Vec<u64> = Vec::new();
         grid.for_each_grain(|grain| {
-            counts[grain.shape.map_or(0, GrainShape::prototype)] += 1;
+            counts[number_of(&grain)] += 1;
             let quanta = (grain.radius / grid.quantum()).round() as usize;
             if sizes.len() <= quanta {
                 sizes.resize(quanta + 1, 0);
@@ -52,12 +62,13 @@ impl Composition {
             sizes[quanta] += 1;
         });
         let (mut kinds, mut kind_of) = (Vec::new(), Vec::new());
-        for (prototype, &grains) in counts.iter().enumerate() {
+        for (number, &grains) in counts.iter().enumerate() {
             kind_of.push((grains > 0).then_some(kinds.len()));
             if grains > 0 {
+                let (prototype, stratum) = (number / STRATA_AND_NONE, number % STRATA_AND_NONE);
                 let shape = prototypes.get(prototype).cloned().map(Arc::new);
                 let shadow = shape.as_ref().map_or(PI, |shape| shape.mean_projected_area());
-                kinds.push(Kind { shape, shadow, grains });
+                kinds.push(Kind { shape, shadow, grains, stratum: stratum as u8 });
             }
         }
         let there_are = sizes.into_iter().enumerate().filter(|&(_, grains)| grains > 0);
@@ -76,9 +87,15 @@ impl Composition {
         self.kinds.len()
     }
 
-    /// The kind of grains of a shape.
-    pub(super) fn kind(&self, shape: Option<GrainShape>) -> usize {
-        self.kind_of[shape.map_or(0, GrainShape::prototype)].unwrap_or(0)
+    /// The kind of a grain.
+    pub(super) fn kind(&self, grain: &GridGrain) -> usize {
+        self.kind_of[number_of(grain)].unwrap_or(0)
+    }
+
+    /// The stratum of the grains of a kind; 0 is none.
+    #[inline]
+    pub(super) fn stratum(&self, kind: usize) -> u8 {
+        self.kinds[kind].stratum
     }
 
     /// Mean area of the shadow of a grain, in squares of its radius.

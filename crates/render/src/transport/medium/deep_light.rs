@@ -8,13 +8,14 @@ use super::grains::Meeting;
 use super::light::SearchNumbers;
 use super::scattering::Passage;
 use crate::transport::Contribution;
+use crate::transport::ice::IceLength;
 use snowgrain_math::{DVec3, Ray};
 
 /// What a path brings along that looks for small lights deep in the snow, and where what it finds is put.
 pub(in super::super) struct Looking<'a> {
     pub(in super::super) throughput: [f32; 3],
-    /// Length in ice before its arrival, metres.
-    pub(in super::super) ice_before: f64,
+    /// Length in ice before its arrival.
+    pub(in super::super) ice_before: IceLength,
     pub(in super::super) found: &'a mut Vec<DeepLight>,
 }
 
@@ -46,13 +47,14 @@ impl DeepPath<'_> {
         let scattering = &self.grains.scattering;
         let towards = scattering.towards(turned_from, sample.direction, (kind, [which, place]));
         let Some((density, passage)) = towards else { return };
-        let Passage { displacement, length, .. } = passage;
-        let ray = Ray::new(position + displacement * met.radius, sample.direction);
+        let ray = Ray::new(position + passage.displacement * met.radius, sample.direction);
         let leaves = self.leaves_deep(&ray, sample.distance);
         let ice = proxy.medium.way_through(&ray, leaves, || random.next());
         let Some(ice) = ice else { return };
         let Some(place) = self.in_air_near(ray.at(leaves), met.radius) else { return };
         let weight = density / sample.pdf;
+        let turning = Meeting { passage: Passage { kind, ..passage }, ..*met };
+        let ice = ice_before + self.ice + proxy.medium.ice_of(&turning) + ice;
         let contribution = Contribution {
             slot: sample.slot,
             glint: false,
@@ -60,8 +62,8 @@ impl DeepPath<'_> {
             weight: std::array::from_fn(|c| {
                 (f64::from(throughput[c]) * f64::from(sample.radiance[c]) * weight) as f32
             }),
-            ice_length: ice_before + self.ice_length + length * met.radius + ice,
-            ice_in_strata: Default::default(),
+            ice_length: ice.all,
+            ice_in_strata: ice.in_strata,
         };
         if let Some(looking) = &mut self.looking {
             looking.found.push(DeepLight {

@@ -83,8 +83,9 @@ impl Density {
         let mut sums = vec![[0.0f64; 3]; density.values.len()];
         let is_mixed = density.kinds > 1;
         let mut areas = vec![0.0f32; if is_mixed { density.kinds * sums.len() } else { 0 }];
-        grid.for_each_grain(|GridGrain { center, radius, shape }| {
-            let kind = composition.kind(shape);
+        grid.for_each_grain(|grain| {
+            let kind = composition.kind(&grain);
+            let GridGrain { center, radius, .. } = grain;
             let squares = radius * radius * per_volume;
             let area = composition.shadow(kind) * squares;
             for (node, weight) in density.around(center) {

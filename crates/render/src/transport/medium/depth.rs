@@ -14,6 +14,7 @@ use super::uniform_numbers;
 use super::{Calibration, Inside, Medium, MediumKind, SnowyWorld, darkness};
 use crate::light::Lights;
 use crate::transport::deep::Scale;
+use crate::transport::ice::IceLength;
 use crate::world::World;
 use core::convert::Infallible;
 use core::f64::consts::TAU;
@@ -56,8 +57,8 @@ pub struct ProxyInDepth {
 pub(in super::super) struct Emerged {
     /// Where it is, in air, and where it goes.
     pub(in super::super) ray: Ray,
-    /// Length in ice since it went in, metres.
-    pub(in super::super) ice_length: f64,
+    /// Length in ice since it went in.
+    pub(in super::super) ice: IceLength,
     /// Grains since, but for the first.
     pub(in super::super) grain_visits: u32,
     /// Its next random event.
@@ -143,7 +144,7 @@ impl ProxyInDepth {
             world,
             key,
             event: visit.event,
-            ice_length: 0.0,
+            ice: IceLength::default(),
             grain_visits: 0,
             looking,
             looked: false,
@@ -159,10 +160,10 @@ impl ProxyInDepth {
                 }
                 Flown::Out(place) => {
                     if let Some(place) = deep.in_air_near(place, radius) {
-                        let DeepPath { ice_length, grain_visits, event, looked, .. } = deep;
+                        let DeepPath { ice, grain_visits, event, looked, .. } = deep;
                         let (ray, grain_visits) =
                             (Ray::new(place, ray.direction), grain_visits - 1);
-                        return Emerged { ray, ice_length, grain_visits, event, looked };
+                        return Emerged { ray, ice, grain_visits, event, looked };
                     }
                     ray = deep.pass(Ray::new(place, ray.direction), radius, false);
                 }
@@ -186,7 +187,7 @@ pub(super) struct DeepPath<'a> {
     world: &'a World,
     pub(super) key: PathKey,
     pub(super) event: u32,
-    pub(super) ice_length: f64,
+    pub(super) ice: IceLength,
     grain_visits: u32,
     /// Where it looks for small lights.
     pub(super) looking: Option<Looking<'a>>,
@@ -211,7 +212,7 @@ impl DeepPath<'_> {
     /// From a meeting to where the path leaves the grain.
     fn go_on(&mut self, arrival: Ray, met: &Meeting) -> Ray {
         self.look(arrival.origin, met);
-        self.ice_length += met.passage.length * met.radius;
+        self.ice += self.proxy.medium.ice_of(met);
         self.grain_visits += 1;
         Ray::new(arrival.origin + met.passage.displacement * met.radius, met.passage.direction)
     }
@@ -230,7 +231,7 @@ impl DeepPath<'_> {
                 shell.jump(grains, ray.direction, [which, turn]);
             ray = Ray::new(ray.origin + displacement, direction);
             self.looked = false;
-            self.ice_length += ice_length;
+            self.ice += grains.shared(ice_length, |kind| proxy.medium.composition.stratum(kind));
             self.grain_visits += grain_visits;
         }
     }

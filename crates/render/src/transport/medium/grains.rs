@@ -9,6 +9,7 @@ use super::density::{Density, Matter};
 use super::scattering::{Azimuths, Passage, Scattering};
 use super::uniform::Uniform;
 use super::{CALIBRATION, Calibration};
+use crate::transport::ice::IceLength;
 use snowgrain_math::{DVec3, Exponential, Ray};
 
 /// Greatest solid fraction: where grains overlap, their volumes may add to more than there is room.
@@ -254,6 +255,19 @@ impl Grains {
     ) -> Meeting {
         let t = self.exponential.of(numbers[0]) * grains.free_path;
         self.in_uniform(grains, direction, t, numbers)
+    }
+
+    /// A length in the ice of the uniform snow, shared out among the strata of its kinds as these have parts of it.
+    pub(super) fn shared(&self, length: f64, stratum: impl Fn(usize) -> u8) -> IceLength {
+        let parts = self.uniform.as_ref().map_or(&[][..], |grains| &grains.uniform.parts);
+        let all: f64 = parts.iter().map(|&part| f64::from(part)).sum();
+        if parts.is_empty() || all == 0.0 {
+            return IceLength::of(length, stratum(0));
+        }
+        let of_kind = |(kind, &part): (usize, &u8)| {
+            IceLength::of(length * f64::from(part) / all, stratum(kind))
+        };
+        parts.iter().enumerate().map(of_kind).fold(IceLength::default(), |sum, ice| sum + ice)
     }
 
     /// A unit vector across a direction, by a uniform number.

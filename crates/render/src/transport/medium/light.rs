@@ -6,6 +6,7 @@ use super::uniform_numbers;
 use super::walk::MediumPath;
 use crate::light::{LightSample, Lights};
 use crate::surface::Scatterer;
+use crate::transport::ice::IceLength;
 use crate::transport::{Contribution, PathEnd};
 use core::f64::consts::PI;
 use snowgrain_accel::SurfaceId;
@@ -73,13 +74,13 @@ impl MediumPath<'_> {
         let [which, place, _] = random.next();
         let towards = scattering.towards(direction, sample.direction, (kind, [which, place]));
         let Some((density, passage)) = towards else { return };
-        let Passage { displacement, length, .. } = passage;
-        let through = displacement * radius;
+        let through = passage.displacement * radius;
         if self.hides(position, through) {
             return;
         }
         let weight = density / sample.pdf;
-        let ice = length * radius;
+        let stratum = self.medium.composition.stratum(kind);
+        let ice = IceLength::of(passage.length * radius, stratum);
         self.book((position + through, None), &sample, ([1.0; 3], weight), ice, random);
     }
 
@@ -92,7 +93,7 @@ impl MediumPath<'_> {
         let cosine = normal.dot(sample.direction);
         if cosine > 0.0 {
             let weight = ([1.0; 3], cosine / (PI * sample.pdf));
-            self.book((position, None), &sample, weight, 0.0, random);
+            self.book((position, None), &sample, weight, IceLength::default(), random);
         }
     }
 
@@ -113,7 +114,7 @@ impl MediumPath<'_> {
         let (colour, value) = scatterer.value(sample.direction);
         if value > 0.0 {
             let weight = (colour, value / sample.pdf);
-            self.book((position, Some(surface)), &sample, weight, 0.0, random);
+            self.book((position, Some(surface)), &sample, weight, IceLength::default(), random);
         }
     }
 
@@ -123,7 +124,7 @@ impl MediumPath<'_> {
         (from, excluded): (DVec3, Option<SurfaceId>),
         sample: &LightSample,
         (colour, weight): ([f32; 3], f64),
-        more_ice: f64,
+        more_ice: IceLength,
         mut random: SearchNumbers,
     ) {
         let ray = Ray::new(from, sample.direction);
@@ -138,6 +139,7 @@ impl MediumPath<'_> {
         let Some(ice) = self.medium.way_through(&ray, sample.distance, || random.next()) else {
             return;
         };
+        let ice = self.ice + more_ice + ice;
         let factor: [f64; 3] = std::array::from_fn(|c| {
             f64::from(self.throughput[c]) * f64::from(colour[c]) * f64::from(sample.radiance[c])
         });
@@ -146,8 +148,8 @@ impl MediumPath<'_> {
             glint: false,
             event: self.event,
             weight: factor.map(|channel| (channel * weight) as f32),
-            ice_length: self.ice_length + more_ice + ice,
-            ice_in_strata: Default::default(),
+            ice_length: ice.all,
+            ice_in_strata: ice.in_strata,
         });
     }
 
@@ -171,14 +173,14 @@ impl MediumPath<'_> {
             PathEnd::Absorbed | PathEnd::Enclosed | PathEnd::Deep(_) => {}
         }
         let lit = radiances.into_iter().enumerate().filter(|(_, light)| *light != [0.0; 3]);
-        let (throughput, ice_length) = (self.throughput, self.ice_length);
+        let (throughput, ice) = (self.throughput, self.ice);
         self.found.extend(lit.map(|(slot, light)| Contribution {
             slot,
             glint: false,
             event: u32::MAX,
             weight: std::array::from_fn(|c| light[c] * throughput[c]),
-            ice_length,
-            ice_in_strata: Default::default(),
+            ice_length: ice.all,
+            ice_in_strata: ice.in_strata,
         }));
     }
 }

@@ -39,13 +39,14 @@ pub(super) use deep_light::{DeepLight, Looking};
 pub use depth::{ProxyInDepth, ProxyStart};
 pub(crate) use walk::trace_in_medium;
 
+use super::ice::IceLength;
 use crate::light::{Lights, LitSurfaces};
 use crate::surface::Place;
 use crate::world::World;
 use composition::Composition;
 use density::Density;
 use dipole::Dipole;
-use grains::Grains;
+use grains::{Grains, Meeting};
 use light::SmallLights;
 use reach::Reach;
 use scattering::Scattering;
@@ -220,20 +221,31 @@ impl Medium {
             }
     }
 
-    /// Length in ice on the way of a ray as far as this, metres, if the snow lets it pass; `random` gives uniform numbers.
+    /// The ice of a meeting.
+    #[inline]
+    fn ice_of(&self, met: &Meeting) -> IceLength {
+        let stratum = self.composition.stratum(met.passage.kind);
+        IceLength::of(met.passage.length * met.radius, stratum)
+    }
+
+    /// Length in ice on the way of a ray as far as this, if the snow lets it pass; `random` gives uniform numbers.
     fn way_through(
         &self,
         ray: &Ray,
         far: f64,
         mut random: impl FnMut() -> [f64; 3],
-    ) -> Option<f64> {
+    ) -> Option<IceLength> {
         let grains = match &self.inside {
             Inside::Grains(grains) => grains,
             Inside::Skin(level, _) => {
-                return self.density.surface_on(ray, far, *level).is_none().then_some(0.0);
+                return self
+                    .density
+                    .surface_on(ray, far, *level)
+                    .is_none()
+                    .then(IceLength::default);
             }
         };
-        let (mut from, mut ice) = (0.0, 0.0);
+        let (mut from, mut ice) = (0.0, IceLength::default());
         loop {
             let rest = Ray::new(ray.at(from), ray.direction);
             let Some(met) = grains.meeting(&self.density, &rest, far - from, &mut random) else {
@@ -243,7 +255,7 @@ impl Medium {
                 return None;
             }
             from += met.t + met.passage.displacement.dot(ray.direction) * met.radius;
-            ice += met.passage.length * met.radius;
+            ice += self.ice_of(&met);
         }
     }
 }

@@ -9,6 +9,7 @@ use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, frame, trig};
 use snowgrain_optics::scatter::{PassageTable, SpherePassage, Way};
 use snowgrain_optics::{BohrenBarkstrom, Dielectric, ScatterTable};
+use std::sync::Arc;
 
 /// What a grain does to a path: the closed form of a sphere, or that of its refracted light alone, or samples.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ pub(super) enum Scattering {
     /// Grains are spheres, by tables of their closed form: of passages, and of ways into a given direction.
     Sphere(PassageTable, ScatterTable),
     /// Grains have shapes, one for each kind.
-    Shapes(Vec<ShapePassages>),
+    Shapes(Vec<Arc<ShapePassages>>),
 }
 
 /// What tells the random numbers of grains that turn light twice.
@@ -77,10 +78,7 @@ impl Scattering {
                 let ways = ScatterTable::for_air(medium);
                 Some(Self::Sphere(PassageTable::for_air(medium), ways))
             }
-            (MediumKind::Proxy, Some(shapes)) => {
-                let of_shape = |shape: &&Shape| ShapePassages::new(shape, eta);
-                Some(Self::Shapes(shapes.iter().map(of_shape).collect()))
-            }
+            (MediumKind::Proxy, Some(shapes)) => Some(Self::Shapes(passages_of(&shapes, eta))),
             (MediumKind::Dipole, _) => None,
         }
     }
@@ -89,12 +87,12 @@ impl Scattering {
     pub(super) fn memory_bytes(&self) -> u64 {
         match self {
             Self::Refracted(_) | Self::Sphere(..) => 0,
-            Self::Shapes(kinds) => kinds.iter().map(ShapePassages::memory_bytes).sum(),
+            Self::Shapes(kinds) => kinds.iter().map(|kind| kind.memory_bytes()).sum(),
         }
     }
 
     /// Density of scattering from one direction into another, 1/sr, of light that a grain of a kind turns, and one way of those that make
-    /// it up; two uniform numbers. `None` where there is none.
+    /// it up; two uniform numbers. `None` where there is none. The kind of the way is not told.
     pub(super) fn towards(
         &self,
         direction: DVec3,
@@ -158,7 +156,8 @@ impl Scattering {
             Self::Sphere(passages, _) => {
                 let (passage, rest) = passages.draw(way);
                 let aside = azimuths.across(direction, rest);
-                (Passage::of_sphere(direction, aside, passage), false)
+                let (kind, _) = drawn_of(parts, turn);
+                (Passage { kind, ..Passage::of_sphere(direction, aside, passage) }, false)
             }
             Self::Shapes(kinds) => {
                 let (kind, way) = drawn_of(parts, way);
@@ -181,12 +180,15 @@ impl Scattering {
             Self::Sphere(passages, _) => {
                 let (passage, rest) = passages.draw(way);
                 let aside = azimuths.across(direction, rest);
-                (Passage::of_sphere(direction, aside, &passage.straight()), true)
+                let (kind, _) = drawn_of(parts, turn);
+                let passage = Passage::of_sphere(direction, aside, &passage.straight());
+                (Passage { kind, ..passage }, true)
             }
             Self::Shapes(kinds) => {
                 let (kind, way) = drawn_of(parts, way);
                 let aside = azimuths.across(direction, turn);
-                (kinds[kind].draw_straight(direction, aside, way), true)
+                let passage = kinds[kind].draw_straight(direction, aside, way);
+                (Passage { kind, ..passage }, true)
             }
         }
     }
@@ -212,6 +214,17 @@ impl Scattering {
         let (direction, turned_from, kind) = (last.direction, passage.direction, last.kind);
         Passage { direction, turned_from, kind, ..passage }
     }
+}
+
+/// Passages through grains of these shapes, those of one shape once.
+fn passages_of(shapes: &[&Shape], eta: f64) -> Vec<Arc<ShapePassages>> {
+    let mut passages: Vec<Arc<ShapePassages>> = Vec::new();
+    for (kind, shape) in shapes.iter().enumerate() {
+        let before = shapes[..kind].iter().position(|before| before == shape);
+        let known = before.map(|before| Arc::clone(&passages[before]));
+        passages.push(known.unwrap_or_else(|| Arc::new(ShapePassages::new(shape, eta))));
+    }
+    passages
 }
 
 /// One of the kinds of grains that have these parts of all, by a uniform number, and what is left of that; the only one where there are

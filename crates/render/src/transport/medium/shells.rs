@@ -55,7 +55,7 @@ pub(super) struct Jump {
     pub(super) displacement: DVec3,
     /// Unit direction.
     pub(super) direction: DVec3,
-    /// Length in ice, metres.
+    /// Length in ice, metres: of grains of all kinds.
     pub(super) ice_length: f64,
     pub(super) grain_visits: u32,
 }

@@ -6,6 +6,7 @@ use super::uniform_numbers;
 use super::{Inside, Medium};
 use crate::World;
 use crate::description::DirectView;
+use crate::transport::ice::IceLength;
 use crate::transport::{
     Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
     ROULETTE_THRESHOLD,
@@ -39,7 +40,7 @@ pub(super) struct MediumPath<'a> {
     /// Its next random event.
     pub(super) event: u32,
     pub(super) throughput: [f32; 3],
-    pub(super) ice_length: f64,
+    pub(super) ice: IceLength,
     air_length: f64,
     grain_visits: u32,
     surface_bounces: u32,
@@ -73,7 +74,7 @@ impl<'a> MediumPath<'a> {
             key,
             event,
             throughput: [1.0; 3],
-            ice_length: 0.0,
+            ice: IceLength::default(),
             air_length: 0.0,
             grain_visits: 0,
             surface_bounces: 0,
@@ -149,15 +150,16 @@ impl MediumPath<'_> {
         }
         self.note_first_grain(position, direction, &passage);
         self.grain_visits += 1;
+        let stratum = self.medium.composition.stratum(passage.kind);
         let ice = passage.length * radius;
         let through = passage.displacement * radius;
         let length = through.length();
         if let Some(hit) = self.surface_within(position, through) {
-            self.ice_length += ice * hit.t / length;
+            self.ice += IceLength::of(ice * hit.t / length, stratum);
             let along = through / length;
             return self.meet_surface(&hit, Ray::new(position + along * hit.t, along));
         }
-        self.ice_length += ice;
+        self.ice += IceLength::of(ice, stratum);
         Ok((Ray::new(position + through, passage.direction), None))
     }
 
@@ -272,8 +274,8 @@ impl MediumPath<'_> {
         PathResult {
             end,
             throughput: self.throughput,
-            ice_length: self.ice_length,
-            ice_in_strata: Default::default(),
+            ice_length: self.ice.all,
+            ice_in_strata: self.ice.in_strata,
             air_length: self.air_length,
             grain_visits: self.grain_visits,
             interface_events: 2 * self.grain_visits,

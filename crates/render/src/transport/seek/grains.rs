@@ -4,6 +4,7 @@ use super::gains::Class;
 use super::shadow::{Beginning, Brings, Condition, Wanted};
 use super::{LastArrival, PathState, Seeker, product, scaled, search_key};
 use crate::transport::Contribution;
+use crate::transport::ice::IceLength;
 use snowgrain_accel::{ArrivalFrom, GrainVisit, Probe};
 use snowgrain_math::sampler::numbers;
 use snowgrain_math::{DVec3, Ray, frame, trig};
@@ -44,15 +45,14 @@ impl Seeker<'_> {
         // The balance heuristic; nothing meets a point by chance.
         let rivals = if sample.is_point { 0.0 } else { density };
         let weight = gain * density / (chance * (sample.pdf + rivals));
-        let (ice_since, ice_in_strata) = self.ice_of(visit, &way);
-        let ice_length = state.ice_before + ice_since;
+        let ice = state.ice_before + self.ice_of(visit, &way);
         let brings = Brings::Light(Contribution {
             slot: sample.slot,
             glint: false,
             event: visit.event,
             weight: scaled(product(state.throughput, sample.radiance), weight),
-            ice_length,
-            ice_in_strata,
+            ice_length: ice.all,
+            ice_in_strata: ice.in_strata,
         });
         let towards = (sample.direction, sample.distance, sample.surface.map(|id| id.object));
         let begins = |origin| Beginning {
@@ -88,7 +88,7 @@ impl Seeker<'_> {
     }
 
     /// Length in ice of a path that takes a way through the grain, and that in grains of each stratum.
-    fn ice_of(&self, visit: &GrainVisit, way: &Way) -> (f64, [f64; snowgrain_accel::STRATA]) {
+    fn ice_of(&self, visit: &GrainVisit, way: &Way) -> IceLength {
         let quantum = self.world.grid.quantum();
         let in_grain = way.length * f64::from(visit.radius);
         let in_grain = match visit.from {
@@ -99,7 +99,7 @@ impl Seeker<'_> {
         if let Some(stratum) = usize::from(visit.stratum).checked_sub(1) {
             in_strata[stratum] += in_grain * quantum;
         }
-        ((f64::from(visit.ice_length) + in_grain) * quantum, in_strata)
+        IceLength { all: (f64::from(visit.ice_length) + in_grain) * quantum, in_strata }
     }
 }
 

@@ -39,6 +39,7 @@ pub(super) use chance::Met;
 pub(super) use surfaces::Bounce;
 
 use super::Contribution;
+use super::ice::IceLength;
 use crate::camera::{Bundle, Camera};
 use crate::laboratory::scattered;
 use crate::light::{LightRole, Lights};
@@ -312,8 +313,8 @@ impl Trail {
 pub(crate) struct PathState {
     pub(super) key: PathKey,
     pub(super) throughput: [f32; 3],
-    /// Length in ice before the flight began to count, metres.
-    pub(super) ice_before: f64,
+    /// Length in ice before the flight began to count.
+    pub(super) ice_before: IceLength,
 }
 
 /// Looks for light for the paths of one thread.

@@ -4,7 +4,8 @@ use super::shadow::{Brings, Condition, Wanted};
 use super::{PathState, Seeker, Trail, Vertex, product, scaled, search_key};
 use crate::surface::Scatterer;
 use crate::transport::Contribution;
-use snowgrain_accel::{Probe, STRATA, SurfaceId};
+use crate::transport::ice::IceLength;
+use snowgrain_accel::{Probe, SurfaceId};
 use snowgrain_math::sampler::numbers;
 use snowgrain_math::{DVec3, Ray};
 
@@ -19,8 +20,7 @@ pub(in super::super) struct Bounce {
     /// Random event of the path.
     pub(in super::super) event: u32,
     pub(in super::super) grain_visits: u32,
-    pub(in super::super) ice_length: f64,
-    pub(in super::super) ice_in_strata: [f64; STRATA],
+    pub(in super::super) ice: IceLength,
 }
 
 impl Seeker<'_> {
@@ -72,8 +72,8 @@ impl Seeker<'_> {
                 product(product(state.throughput, colour), sample.radiance),
                 value / (sample.pdf + rivals),
             ),
-            ice_length: bounce.ice_length,
-            ice_in_strata: bounce.ice_in_strata,
+            ice_length: bounce.ice.all,
+            ice_in_strata: bounce.ice.in_strata,
         };
         let entry = self.world.grid.enter(&ray).filter(|&(t, _)| t < sample.distance);
         let Some((t, start)) = entry else {

@@ -2,6 +2,7 @@
 
 use super::{Search, Walk};
 use crate::transport::deep::Deep;
+use crate::transport::ice::IceLength;
 use crate::transport::medium::{Looking, ProxyInDepth};
 use crate::transport::{Learnt, PathEnd, PathSource};
 use snowgrain_accel::GrainVisit;
@@ -16,11 +17,12 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let travelled = self.flight.travelled(lane);
         let first_hit = self.first_hit(lane);
         let walker = self.walkers[lane].as_mut().expect("a lane with an event has a walker");
-        let ice_length = f64::from(visit.ice_length) * grid.quantum();
+        let in_strata = visit.ice_in_strata.map(|length| f64::from(length) * grid.quantum());
+        let ice = IceLength { all: f64::from(visit.ice_length) * grid.quantum(), in_strata };
         let mut found = Vec::new();
         let looking = self.search.is_some().then_some(Looking {
             throughput: walker.throughput,
-            ice_before: walker.before.ice_length + ice_length,
+            ice_before: walker.before.ice + ice,
             found: &mut found,
         });
         let emerged = proxy.follow(self.world, walker.key, visit, looking);
@@ -28,7 +30,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let grain_visits = visit.grain_visits + emerged.grain_visits;
         let events = visit.event - walker.start_event;
         let before = &mut walker.before;
-        before.ice_length += ice_length + emerged.ice_length;
+        before.ice += ice + emerged.ice;
         before.air_length += travelled.air_length;
         before.grain_visits += grain_visits;
         before.interface_events += events + 2 * (emerged.grain_visits + 1);
