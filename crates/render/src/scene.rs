@@ -215,8 +215,8 @@ impl Scene {
                 let looks = description.light_finding != LightFinding::Exact;
                 let snowy = (&world, &*lit.shapes, &*prototypes);
                 let medium = Medium::new(kind, snowy, (&lights, looks));
-                let bodies = (&*description.snow, &*report.snow);
-                let known = |medium| calibrated(medium, bodies, store.as_mut(), stage);
+                let snow = (description, &*report.snow);
+                let known = |medium| calibrated(medium, snow, store.as_mut(), stage);
                 let medium = medium.map(known).transpose()?;
                 let places: Vec<Place> = lit.shapes.iter().map(Place::new).collect();
                 let ice = &grade.colours()[0];
@@ -227,8 +227,8 @@ impl Scene {
             IntegratorKind::Grains | IntegratorKind::Medium(_) => None,
             IntegratorKind::ProxyInDepth(start) => {
                 let snowy = (&world, &*lit.shapes, &*prototypes);
-                let bodies = (&*description.snow, &*report.snow);
-                let known = |medium| calibrated(medium, bodies, store.as_mut(), stage);
+                let snow = (description, &*report.snow);
+                let known = |medium| calibrated(medium, snow, store.as_mut(), stage);
                 let looks = description.light_finding != LightFinding::Exact;
                 ProxyInDepth::new(snowy, (&lights, looks), &start, known)?
             }

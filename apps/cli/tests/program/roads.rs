@@ -43,10 +43,6 @@ const ROADS: [[&str; 4]; 5] = [
 const LATTICE: &str = "snow=[{ source = \"lattice\", lattice = \"fcc\", radius = 0.0005, \
                        counts = [20, 20, 20], density = 300 }]";
 
-/// Grains that lie level.
-const LEVEL: &str = "snow.shapes=[{ shape = \"hexagonal-plate\", aspect = 0.2, \
-                     orientation = \"horizontal\" }]";
-
 fn place() -> Workplace {
     let place = Workplace::new();
     place.file("scene.toml", SCENE);
@@ -156,11 +152,6 @@ fn what_a_road_cannot_do_is_refused_with_a_mend() {
             &["integrator={ kind = \"volume\" }", "snow.shapes=[{ shape = \"cube\" }]"],
             "\"volume\" knows spheres alone",
         ),
-        (&[LEVEL], "\"proxy\" takes grains to lie in all directions alike"),
-        (
-            &["integrator={ kind = \"proxy\" }", LEVEL],
-            "\"proxy\" takes grains to lie in all directions alike",
-        ),
         (
             &["integrator={ kind = \"dipole\" }", "film.keep=[\"ice-paths\"]"],
             "\"dipole\" knows no lengths in ice",
@@ -169,7 +160,7 @@ fn what_a_road_cannot_do_is_refused_with_a_mend() {
             &["integrator={ kind = \"volume\" }", "material.dispersion=true"],
             "\"volume\" knows no dispersion",
         ),
-        (&["integrator.deep=\"shells\"", LEVEL], "\"shells\" takes grains to lie"),
+        (&["integrator.deep=\"shells\"", LATTICE], "\"shells\" takes grains to lie at random"),
         (&["integrator={ kind = \"proxy\" }", LATTICE], "\"proxy\" takes grains to lie at random"),
         (&["integrator.learning_paths=2048"], "needs integrator.deep = \"learnt\""),
     ];

@@ -9,7 +9,7 @@ use snowgrain_render::measure::{
     CALIBRATION_PATHS, PackedSlab, SlabMeasure, calibrate_proxy, calibration_by, measure_slab,
     measure_slab_in_medium,
 };
-use snowgrain_render::transport::medium::{Calibration, Medium, MediumKind};
+use snowgrain_render::transport::medium::{Calibration, InnerSnow, Medium, MediumKind};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -35,6 +35,7 @@ struct Grains {
     eta: f64,
     /// How it falls; `None`: as packs of its density.
     rule: Option<DepositRule>,
+    orientation: Orientation,
 }
 
 impl Grains {
@@ -45,6 +46,7 @@ impl Grains {
             shapes: Vec::new(),
             eta: ICE,
             rule: None,
+            orientation: Orientation::Random,
         }
     }
 
@@ -71,6 +73,10 @@ impl Grains {
             },
             Self { name: "spheres, r 40 to 160 %", radii: spread.clone(), ..Self::spheres() },
             of("plates", &[plate]),
+            Self {
+                orientation: Orientation::Horizontal { spread_degrees: 10.0 },
+                ..of("plates that lie level", &[plate])
+            },
             of("columns", &[column]),
             of("rosettes", &[rosette]),
             Self {
@@ -87,7 +93,7 @@ impl Grains {
             return Ok(None);
         }
         let mixed = self.shapes.iter().map(|kind| {
-            let (shape, orientation) = (Arc::new(Shape::new(*kind)?), Orientation::Random);
+            let (shape, orientation) = (Arc::new(Shape::new(*kind)?), self.orientation);
             anyhow::Ok(MixedShape { shape, orientation, fraction: 1.0 })
         });
         Ok(Some(ShapeMix::new(mixed.collect::<Result<_>>()?, 5)?))
@@ -98,6 +104,7 @@ impl Grains {
 pub(super) struct Slab {
     name: &'static str,
     fell: Option<DepositSettings>,
+    mix: Option<ShapeMix>,
     /// Whether light may come back to the grain that it left.
     is_hollow: bool,
     slab: PackedSlab,
@@ -128,7 +135,7 @@ impl Slab {
         };
         let exact = measure_slab(&slab.world, &slab.settings);
         let is_hollow = slab.prototypes.iter().any(|shape| shape.parts().len() > 1);
-        Ok(Self { name, fell, is_hollow, slab, exact })
+        Ok(Self { name, fell, mix, is_hollow, slab, exact })
     }
 
     /// Those by which the proxy is judged: of equal spheres of ice, or of other grains.
@@ -151,6 +158,7 @@ impl Slab {
         let medium =
             Medium::in_the_dark(kind, (world, prototypes)).context("a slab holds grains")?;
         let snow = medium.inner_snow(self.fell.clone())?.filter(|snow| !snow.is_known());
+        let snow = snow.map(|snow| InnerSnow { mix: self.mix.clone(), ..snow });
         let measured = snow.map(|snow| calibrate_proxy(&snow, CALIBRATION_PATHS)).transpose()?;
         let medium = match measured {
             Some(measured) => medium.calibrated(&Calibration::table_through(measured)),

@@ -61,7 +61,7 @@ mod tests {
     fn points_are_inside_as_distances_say() {
         let quantisation = Quantisation::for_grains(DVec3::ZERO, 0.5);
         let random = |index, event| numbers(PathKey::new(1, index, 0), event).map(f64::from);
-        let grains: Vec<_> = (0..200)
+        let grains: Vec<_> = (0..1000)
             .map(|index| {
                 let center = DVec3::from_array(random(index, 0)) * DVec3::new(6.0, 6.0, 60.0);
                 quantisation.round(center, 0.25 + 0.25 * random(index, 1)[0]).unwrap()

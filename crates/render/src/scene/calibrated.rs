@@ -2,23 +2,29 @@
 
 use super::{BuildStage, SnowReport};
 use crate::RenderError;
-use crate::description::SnowDescription;
+use crate::description::{SceneDescription, SnowDescription};
 use crate::measure::{CALIBRATION_PATHS, calibrate_proxy};
 use crate::transport::deep::LearntStore;
-use crate::transport::medium::{Calibration, Medium};
+use crate::transport::medium::{Calibration, InnerSnow, Medium};
 use snowgrain_grains::DepositSettings;
 
-/// The medium of bodies of snow with the calibration that its grains need: from a store where it is there, else measured and put
+/// The medium of a scene's snow with the calibration that its grains need: from a store where it is there, else measured and put
 /// there.
 pub(super) fn calibrated(
     medium: Medium,
-    bodies: (&[SnowDescription], &[SnowReport]),
+    (description, reports): (&SceneDescription, &[SnowReport]),
     mut store: Option<&mut LearntStore<'_>>,
     stage: &mut dyn FnMut(BuildStage),
 ) -> Result<Medium, RenderError> {
     let because = |source| RenderError::Calibration { source };
-    let snow = medium.inner_snow(fell(bodies)).map_err(because)?;
-    let Some(snow) = snow.filter(|snow| !snow.is_known()) else { return Ok(medium) };
+    let main = main_body(reports);
+    let snow = medium.inner_snow(main.and_then(|body| fell(&description.snow[body])));
+    let Some(snow) = snow.map_err(because)?.filter(|snow| !snow.is_known()) else {
+        return Ok(medium);
+    };
+    // With how its grains lie.
+    let mix = main.and_then(|body| description.shapes_of(body)).cloned();
+    let snow = InnerSnow { mix: mix.or(snow.mix), ..snow };
     stage(BuildStage::Deep);
     // What Debug writes of a number reads back as that number.
     let mut hasher = blake3::Hasher::new_derive_key("snowgrain calibration of the proxy 1");
@@ -40,15 +46,19 @@ pub(super) fn calibrated(
     Ok(medium.calibrated(&Calibration::table_through(measured)))
 }
 
-/// How the body of most grains fell, if it fell by a rule and not to a density, as packs are made.
-fn fell((bodies, reports): (&[SnowDescription], &[SnowReport])) -> Option<DepositSettings> {
-    let grains = |report: &SnowReport| match report {
+/// The body of snow of most grains.
+fn main_body(reports: &[SnowReport]) -> Option<usize> {
+    let grains = |body: &usize| match &reports[*body] {
         SnowReport::Fell(report) => report.accepted,
         SnowReport::Filled(report) => report.grains,
         SnowReport::Placed => 0,
     };
-    let most = bodies.iter().zip(reports).max_by_key(|(_, report)| grains(report))?;
-    match most.0 {
+    (0..reports.len()).max_by_key(grains)
+}
+
+/// How a body fell, if it fell by a rule and not to a density, as packs are made.
+fn fell(body: &SnowDescription) -> Option<DepositSettings> {
+    match body {
         SnowDescription::Deposit(settings) if settings.density.is_none() => Some(settings.clone()),
         _ => None,
     }

@@ -3,7 +3,6 @@
 use super::checks::Checks;
 use crate::scene::SceneError;
 use crate::scene::document::DeepName;
-use snowgrain_grains::Orientation;
 use snowgrain_render::description::{
     DirectView, IntegratorKind, SceneDescription, SnowDescription,
 };
@@ -25,7 +24,6 @@ pub(super) fn refuse_beyond(
     let cases = [
         (deep, "follows all light to its end; leave integrator.deep out"),
         (!proxy && scene.has_shapes(), "knows spheres alone, and some grains have shapes"),
-        (proxy && has_directions(scene), DIRECTIONS),
         (
             !proxy && !scene.strata.loads.is_empty(),
             "does not tell the impurities of one snow from another's",
@@ -53,17 +51,10 @@ pub(super) fn refuse_beyond(
     })
 }
 
-const DIRECTIONS: &str =
-    "takes grains to lie in all directions alike, and some lie level or along an axis";
 const LATTICES: &str = "takes grains to lie at random, and some snow is a lattice";
 
 fn has_lattices(scene: &SceneDescription) -> bool {
     scene.snow.iter().any(|snow| matches!(snow, SnowDescription::Lattice(_)))
-}
-
-fn has_directions(scene: &SceneDescription) -> bool {
-    let mixes = (0..scene.snow.len()).filter_map(|body| scene.shapes_of(body));
-    mixes.flat_map(|mix| mix.shapes()).any(|mixed| mixed.orientation != Orientation::Random)
 }
 
 /// Refuses what light that goes on as the proxy cannot do.
@@ -72,8 +63,9 @@ fn refuse_proxy(
     scene: &SceneDescription,
     jumps: bool,
 ) -> Result<(), SceneError> {
-    let cases = [(has_directions(scene), DIRECTIONS), (has_lattices(scene), LATTICES)];
-    let why = cases.into_iter().find(|(beyond, _)| *beyond);
+    if !has_lattices(scene) {
+        return Ok(());
+    }
     let name = if jumps { "shells" } else { "proxy" };
-    why.map_or(Ok(()), |(_, why)| Err(checks.bad("integrator.deep", format!("\"{name}\" {why}"))))
+    Err(checks.bad("integrator.deep", format!("\"{name}\" {LATTICES}")))
 }
