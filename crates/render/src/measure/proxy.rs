@@ -10,8 +10,6 @@ pub const CALIBRATION_PATHS: u64 = 1 << 17;
 const SLAB_DEPTH: f64 = 60.0;
 /// Times that the part that passes straight is mended.
 const STEPS: u32 = 3;
-/// Parts between which that lies that may pass straight; of grains that turn light twice, those that do.
-const PARTS: [f64; 2] = [-0.9, 0.5];
 /// Bare part of the surface above which grains count as apart.
 const APART: f64 = 0.98;
 /// Seed of the pack and of its light.
@@ -26,20 +24,20 @@ const BEYOND_GRAINS: f64 = 1.072;
 /// # Errors
 /// Snow of which none can be made.
 pub fn calibrate_proxy(snow: &InnerSnow, paths: u64) -> Result<Calibration, GrainsError> {
+    let [low, high] = PACK_DENSITIES;
+    let density = (ICE_DENSITY * snow.solid).clamp(low, high);
     let size = (SLAB_DEPTH * snow.radii.mean(), snow.eta);
     let mix = snow.mix.as_ref();
     let slab = match &snow.fell {
         Some(snowfall) => PackedSlab::fallen((snowfall, mix), size, (paths, SEED)),
         None => {
-            let [low, high] = PACK_DENSITIES;
-            let density = (ICE_DENSITY * snow.solid).clamp(low, high);
             let pack = PackSettings { radii: snow.radii.clone(), density, seed: SEED };
             PackedSlab::new((&pack, mix), size, (paths, SEED))
         }
     }?;
     let exact = measure_slab(&slab.world, &slab.settings);
     let measured = calibration_by(&slab, &exact, STEPS);
-    Ok(Calibration { solid: snow.solid, ..measured })
+    Ok(Calibration { solid: density / ICE_DENSITY, ..measured })
 }
 
 /// The calibration by which light does the same in a slab, by what it does in it; lengths in ice as in lone grains, which is exact,
@@ -63,7 +61,7 @@ pub fn calibration_by(slab: &PackedSlab, exact: &SlabMeasure, steps: u32) -> Cal
         let settings = SlabSettings { paths, ..*settings };
         let measure = measure_slab_in_medium(world, &medium, &settings);
         found.straight = 1.0 - (1.0 - found.straight) * way(exact) / way(&measure);
-        found.straight = found.straight.clamp(PARTS[0], PARTS[1]);
+        found.straight = found.straight.clamp(Calibration::PARTS[0], Calibration::PARTS[1]);
         ice = exact.ice_path.mean / measure.ice_path.mean;
     }
     if medium.bare_surface() < APART {

@@ -26,13 +26,18 @@ pub const CALIBRATION: [Calibration; 5] = [
 pub const KNOWN_INDICES: std::ops::RangeInclusive<f64> = 1.29..=1.34;
 
 impl Calibration {
+    /// Between which the part lies that may pass straight.
+    pub const PARTS: [f64; 2] = [-0.9, 0.5];
+
     /// The table of grains of which one entry was measured: that of equal spheres of ice, with the parts that pass straight in the
     /// proportion of this one to that of such spheres of its solid fraction, and as much ice everywhere.
     #[must_use]
     pub fn table_through(measured: Self) -> Vec<Self> {
         let proportion = measured.straight / Self::of(&CALIBRATION, measured.solid).straight;
         let ice = measured.ice;
-        let entry = |of: &Self| Self { straight: of.straight * proportion, ice, ..*of };
+        let [least, most] = Self::PARTS;
+        let straight = |of: &Self| (of.straight * proportion).clamp(least, most);
+        let entry = |of: &Self| Self { straight: straight(of), ice, ..*of };
         CALIBRATION.iter().map(entry).collect()
     }
 
@@ -99,6 +104,10 @@ mod tests {
         assert!((found.straight - 0.03).abs() < 1e-12 && found.ice == 1.1, "{found:?}");
         assert_eq!(table[0].straight, 0.0);
         assert!(Calibration::of(&table, 0.5).straight > 0.03);
+        // What was measured on loose snow is never more than there may be in dense.
+        let table =
+            Calibration::table_through(Calibration { solid: 0.03, straight: 0.2, ice: 1.0 });
+        assert_eq!(Calibration::of(&table, 0.5).straight, Calibration::PARTS[1]);
     }
 
     #[test]
