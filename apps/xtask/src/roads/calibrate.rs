@@ -5,6 +5,7 @@ use snowgrain_geometry::{Shape, ShapeKind};
 use snowgrain_grains::{
     Amount, DepositRule, DepositSettings, MixedShape, Orientation, PackSettings, Radii, ShapeMix,
 };
+use snowgrain_math::DVec3;
 use snowgrain_render::measure::{
     CALIBRATION_PATHS, PackedSlab, SlabMeasure, calibrate_proxy, calibration_by, measure_slab,
     measure_slab_in_medium,
@@ -76,6 +77,13 @@ impl Grains {
             Self {
                 orientation: Orientation::Horizontal { spread_degrees: 10.0 },
                 ..of("plates that lie level", &[plate])
+            },
+            Self {
+                orientation: Orientation::Aligned {
+                    axis: DVec3::new(1.0, 1.0, 0.0),
+                    spread_degrees: 10.0,
+                },
+                ..of("plates that lie aslant, all alike", &[plate])
             },
             of("columns", &[column]),
             of("rosettes", &[rosette]),

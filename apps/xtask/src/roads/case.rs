@@ -64,7 +64,9 @@ impl Road {
             matches!(self, Self::Exact | Self::Learnt | Self::ProxyInDepth | Self::Shells);
         match body {
             Body::Deepest => is_deep && light == Light::Overcast,
-            Body::Crystals => !matches!(self, Self::Volume | Self::Dipole),
+            Body::Crystals | Body::Level | Body::Layers => {
+                !matches!(self, Self::Volume | Self::Dipole)
+            }
             Body::Deep | Body::Fallen | Body::Thin | Body::Ball => true,
         }
     }
@@ -110,13 +112,23 @@ pub(super) enum Body {
     Deepest,
     Fallen,
     Crystals,
+    Level,
+    Layers,
     Thin,
     Ball,
 }
 
 impl Body {
-    pub(super) const ALL: [Self; 6] =
-        [Self::Deep, Self::Deepest, Self::Fallen, Self::Crystals, Self::Thin, Self::Ball];
+    pub(super) const ALL: [Self; 8] = [
+        Self::Deep,
+        Self::Deepest,
+        Self::Fallen,
+        Self::Crystals,
+        Self::Level,
+        Self::Layers,
+        Self::Thin,
+        Self::Ball,
+    ];
 
     pub(super) fn name(self) -> &'static str {
         match self {
@@ -124,6 +136,8 @@ impl Body {
             Self::Deepest => "20 cm deep",
             Self::Fallen => "5 cm that fell (`rule = \"ray\"`)",
             Self::Crystals => "5 cm of plates and columns",
+            Self::Level => "5 cm of plates that lie level",
+            Self::Layers => "2.5 cm of spheres (350 kg/m^3) under 2.5 cm of plates (200 kg/m^3)",
             Self::Thin => "5 mm on dark ground",
             Self::Ball => "ball 2 cm across",
         }
@@ -155,6 +169,18 @@ impl Body {
                 "{}[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\nrounding = 0.2\n\
                  [[snow.shapes]]\nshape = \"hexagonal-column\"\naspect = 2.5\n",
                 block(0.05, 0.08)
+            ),
+            Self::Level => format!(
+                "{}[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\nrounding = 0.2\n\
+                 orientation = \"horizontal\"\nspread = 10\n",
+                block(0.05, 0.08)
+            ),
+            Self::Layers => format!(
+                "{}source = \"pack\"\ndensity = 350\nbox = [0, 0, 0, 0.08, 0.025, 0.08]\n\
+                 [[snow]]\nradius = 0.0005\nsource = \"pack\"\ndensity = 200\n\
+                 box = [0, 0.025, 0, 0.08, 0.05, 0.08]\n\
+                 [[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\nrounding = 0.2\n",
+                seen(0.05, 0.08)
             ),
             Self::Thin => block(0.005, 0.08),
             Self::Ball => format!(

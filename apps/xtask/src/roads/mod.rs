@@ -149,7 +149,8 @@ and exactly again when it comes out: it loses and makes no light, and learns not
 
 The smoothed density has nodes four mean radii apart; each grain adds to the eight around its centre, and between nodes it is trilinear. What a grain's ball \
 would put into a solid object is given back to the snow before it. `proxy`, `deep = \"proxy\"` and `deep = \"shells\"` know grains of all shapes, sizes and \
-substances, but no lattices, and take those that lie level or along an axis to lie in all directions alike; `volume` and `dipole` know spheres, and one load of impurities for all snow. Media show no dispersion \
+substances, but no lattices, and those that lie level or along an axis meet light of each direction as they do (there `deep = \"shells\"` is `deep = \"proxy\"`: a jump knows no \
+directions); `volume` and `dipole` know spheres, and one load of impurities for all snow. Media show no dispersion \
 and no shadow catchers (the deep roads do, but refract by one index deep down); `dipole` has no lengths in ice to be graded again. \
 Suns and small lamps are looked for at every grain and rough surface; the dipole gathers them where they fall on the snow.
 
@@ -203,8 +204,9 @@ at the same error.
 - *Proxy* keeps the light of deep snow, and visits and ice within 1 % at all solid fractions. It saves nothing: exact light is followed \
 sixteen paths at once, the proxy one path after another, at two to three times the cost of a grain, and both take as many samples. It has no \
 grains to be seen, and its snow falls off over four radii at the edge: thin snow and a ball are blurred. It does not know lattices, which \
-let more light through. Plates that lie level scatter otherwise from above than from the side: 5 cm of them (aspect .3, 275 kg/m^3, the axis within 10 degrees \
-of the vertical) were 2.7 % too bright under an overcast sky where the proxy was met in depth alone.
+let more light through. Snow of several kinds is calibrated by that of most grains alone. Plates that lie level hide light from above more than from the side, and \
+mirror it up and down: ways through them are kept for each direction (64 classes of its height; where grains are not turned about the vertical alike, 32 by 32 \
+of its azimuth).
 - *Shells* save little while spheres are small: light is scattered forward, so that at 275 kg/m^3 one of 4 mean free paths stands for 3 \
 grains, of 8 for 7, of 16 for 20, of 32 for 63. On snow 5 cm deep they are slower than the proxy, on 20 cm faster than exact light. Nowhere \
 are they faster than *learnt*, which ends paths and so has less noise, too: they are kept to be compared with.

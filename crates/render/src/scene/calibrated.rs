@@ -22,12 +22,12 @@ pub(super) fn calibrated(
     let Some(snow) = snow.map_err(because)?.filter(|snow| !snow.is_known()) else {
         return Ok(medium);
     };
-    // With how its grains lie.
+    // With how its grains lie, as it is asked for.
     let mix = main.and_then(|body| description.shapes_of(body)).cloned();
     let snow = InnerSnow { mix: mix.or(snow.mix), ..snow };
     stage(BuildStage::Deep);
     // What Debug writes of a number reads back as that number.
-    let mut hasher = blake3::Hasher::new_derive_key("snowgrain calibration of the proxy 1");
+    let mut hasher = blake3::Hasher::new_derive_key("snowgrain calibration of the proxy 2");
     let key = *hasher.update(format!("{snow:?}").as_bytes()).finalize().as_bytes();
     let mut measured = None;
     if let Some(store) = &mut store {

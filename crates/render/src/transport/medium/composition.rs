@@ -1,10 +1,13 @@
-//! What the grains of a world are, all together: their shapes and their sizes, and how much of them is in others.
+//! What the grains of a world are, all together: their shapes and their sizes, how they lie, and how much of them is in others.
 
+mod lying;
 mod overlap;
 
+pub(super) use lying::Lying;
 pub(super) use overlap::Overlap;
 
 use core::f64::consts::PI;
+use lying::Looked;
 use snowgrain_accel::{GrainGrid, GridGrain, STRATA};
 use snowgrain_geometry::{GrainShape, Shape};
 use snowgrain_grains::{GrainsError, MixedShape, Orientation, Radii, ShapeMix};
@@ -46,15 +49,22 @@ struct Kind {
     shadow: f64,
     grains: u64,
     stratum: u8,
+    /// `None` where they lie in all orientations alike.
+    lying: Option<Lying>,
 }
 
 impl Composition {
     /// Of the grains of a grid that have the shapes of these prototypes, if any.
     pub(super) fn new(grid: &GrainGrid, prototypes: &[Shape]) -> Self {
         let mut counts = vec![0u64; prototypes.len().max(1) * STRATA_AND_NONE];
+        let mut looked = vec![Looked::new(); counts.len()];
         let mut sizes: Vec<u64> = Vec::new();
         grid.for_each_grain(|grain| {
-            counts[number_of(&grain)] += 1;
+            let number = number_of(&grain);
+            counts[number] += 1;
+            if let Some(shape) = grain.shape {
+                looked[number].add(shape);
+            }
             let quanta = (grain.radius / grid.quantum()).round() as usize;
             if sizes.len() <= quanta {
                 sizes.resize(quanta + 1, 0);
@@ -62,13 +72,15 @@ impl Composition {
             sizes[quanta] += 1;
         });
         let (mut kinds, mut kind_of) = (Vec::new(), Vec::new());
-        for (number, &grains) in counts.iter().enumerate() {
+        for (number, (&grains, looked)) in counts.iter().zip(looked).enumerate() {
             kind_of.push((grains > 0).then_some(kinds.len()));
             if grains > 0 {
                 let (prototype, stratum) = (number / STRATA_AND_NONE, number % STRATA_AND_NONE);
                 let shape = prototypes.get(prototype).cloned().map(Arc::new);
                 let shadow = shape.as_ref().map_or(PI, |shape| shape.mean_projected_area());
-                kinds.push(Kind { shape, shadow, grains, stratum: stratum as u8 });
+                let is_turned = shape.as_ref().is_some_and(|shape| !shape.is_sphere());
+                let lying = is_turned.then(|| looked.lying()).flatten();
+                kinds.push(Kind { shape, shadow, grains, stratum: stratum as u8, lying });
             }
         }
         let there_are = sizes.into_iter().enumerate().filter(|&(_, grains)| grains > 0);
@@ -103,9 +115,10 @@ impl Composition {
         self.kinds[kind].shadow
     }
 
-    /// The shapes of all kinds; `None` where all are spheres in a world of spheres.
-    pub(super) fn shapes(&self) -> Option<Vec<&Shape>> {
-        self.kinds.iter().map(|kind| kind.shape.as_deref()).collect()
+    /// The shapes of all kinds, and how they lie if not in all orientations alike; `None` where all are spheres in a world of spheres.
+    pub(super) fn shapes(&self) -> Option<Vec<(&Shape, Option<&Lying>)>> {
+        let kinds = self.kinds.iter();
+        kinds.map(|kind| Some((kind.shape.as_deref()?, kind.lying.as_ref()))).collect()
     }
 
     fn is_of_one_size(&self) -> bool {
@@ -133,15 +146,13 @@ impl Composition {
         Radii::measured(&classes)
     }
 
-    /// The shapes as often as they are, in all orientations alike; `None` where all are spheres.
+    /// The shapes as often as they are, as they lie; `None` where all are spheres.
     pub(super) fn mix(&self) -> Result<Option<ShapeMix>, GrainsError> {
         let mixed = self.kinds.iter().map(|kind| {
             let shape = Arc::clone(kind.shape.as_ref()?);
-            Some(MixedShape {
-                shape,
-                orientation: Orientation::Random,
-                fraction: kind.grains as f64,
-            })
+            let lying = kind.lying.as_ref();
+            let orientation = lying.map_or(Orientation::Random, Lying::orientation);
+            Some(MixedShape { shape, orientation, fraction: kind.grains as f64 })
         });
         mixed.collect::<Option<Vec<_>>>().map(|mixed| ShapeMix::new(mixed, SEED)).transpose()
     }

@@ -38,7 +38,7 @@ pub(super) struct Grains {
 #[derive(Clone, Debug)]
 pub(super) struct UniformGrains {
     pub(super) uniform: Uniform,
-    /// Mean free path, metres.
+    /// Mean free path, metres; by the mean shadow where grains do not lie in all orientations alike.
     pub(super) free_path: f64,
     calibration: Calibration,
 }
@@ -100,6 +100,12 @@ impl Grains {
         }
     }
 
+    /// Mean free path of light of a direction in the uniform snow, metres.
+    #[inline]
+    fn free_path(&self, grains: &UniformGrains, direction: DVec3) -> f64 {
+        grains.free_path / self.scattering.shadow(direction, &grains.uniform.parts)
+    }
+
     fn calibration_of(&self, solid: f64) -> Calibration {
         match self.scattering {
             Scattering::Refracted(_) => CALIBRATION[0],
@@ -126,7 +132,7 @@ impl Grains {
                 }
             }
             let [area, solid] = most.map(f64::from);
-            self.extinction(area, solid) as f32
+            (self.scattering.largest_shadow() * self.extinction(area, solid)) as f32
         };
         blocks.map(of_block).collect()
     }
@@ -148,7 +154,8 @@ impl Grains {
             let room = grains.uniform.reach.room(density, density.coordinates(ray.origin));
             if room > 0.0 {
                 let (numbers, room) = (random(), room * density.shortest_edge());
-                let length = self.exponential.of(numbers[0]) * grains.free_path;
+                let free = self.exponential.of(numbers[0]);
+                let length = free * self.free_path(grains, ray.direction);
                 if length < room {
                     let met = || self.in_uniform(grains, ray.direction, length, numbers);
                     return (length < far).then(met);
@@ -177,7 +184,7 @@ impl Grains {
             if let Some(grains) = &self.uniform {
                 let room = grains.uniform.reach.room(density, at) * density.shortest_edge();
                 if room > 0.0 {
-                    let length = free * grains.free_path;
+                    let length = free * self.free_path(grains, ray.direction);
                     t += length.min(room);
                     if length < room {
                         let met = || self.in_uniform(grains, ray.direction, t, numbers);
@@ -253,7 +260,7 @@ impl Grains {
         direction: DVec3,
         numbers: [f64; 3],
     ) -> Meeting {
-        let t = self.exponential.of(numbers[0]) * grains.free_path;
+        let t = self.exponential.of(numbers[0]) * self.free_path(grains, direction);
         self.in_uniform(grains, direction, t, numbers)
     }
 
@@ -302,7 +309,7 @@ impl Grains {
         if let Some(grains) = &self.uniform
             && grains.uniform.reach.room(density, density.coordinates(place)) >= 0.0
         {
-            let is_met = chance * most * grains.free_path < 1.0;
+            let is_met = chance * most * self.free_path(grains, ray.direction) < 1.0;
             return is_met.then(|| self.in_uniform(grains, ray.direction, t, [0.0, way, turn]));
         }
         let here = density.at(place);
@@ -311,7 +318,8 @@ impl Grains {
             self.draw(ray.direction, &self.calibration_of(here.solid), (parts, [way, turn]));
         let center = passage.entry.map_or(place, |entry| place - entry * radius);
         let Matter { area, .. } = density.near(center, node);
-        let is_met = chance * most < self.extinction(area, here.solid);
+        let shadow = self.scattering.shadow(ray.direction, parts);
+        let is_met = chance * most < shadow * self.extinction(area, here.solid);
         is_met.then_some(Meeting { t, radius, passage, is_straight })
     }
 

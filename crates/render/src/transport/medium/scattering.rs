@@ -1,15 +1,13 @@
 //! What a grain of the medium does to a path.
 
 use super::composition::Composition;
-use super::shape_passages::ShapePassages;
+use super::shape_passages::ShapeKinds;
 use super::{Calibration, MediumKind};
 use core::f64::consts::TAU;
-use snowgrain_geometry::Shape;
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, frame, trig};
 use snowgrain_optics::scatter::{PassageTable, SpherePassage, Way};
 use snowgrain_optics::{BohrenBarkstrom, Dielectric, ScatterTable};
-use std::sync::Arc;
 
 /// What a grain does to a path: the closed form of a sphere, or that of its refracted light alone, or samples.
 #[derive(Clone, Debug)]
@@ -19,7 +17,7 @@ pub(super) enum Scattering {
     /// Grains are spheres, by tables of their closed form: of passages, and of ways into a given direction.
     Sphere(PassageTable, ScatterTable),
     /// Grains have shapes, one for each kind.
-    Shapes(Vec<Arc<ShapePassages>>),
+    Shapes(ShapeKinds),
 }
 
 /// What tells the random numbers of grains that turn light twice.
@@ -78,16 +76,38 @@ impl Scattering {
                 let ways = ScatterTable::for_air(medium);
                 Some(Self::Sphere(PassageTable::for_air(medium), ways))
             }
-            (MediumKind::Proxy, Some(shapes)) => Some(Self::Shapes(passages_of(&shapes, eta))),
+            (MediumKind::Proxy, Some(shapes)) => Some(Self::Shapes(ShapeKinds::new(&shapes, eta))),
             (MediumKind::Dipole, _) => None,
         }
+    }
+
+    /// Area of the shadows that light of a direction meets, over the mean of all directions, of grains that have these parts of that.
+    #[inline]
+    pub(super) fn shadow(&self, direction: DVec3, parts: &[u8]) -> f64 {
+        match self {
+            Self::Refracted(_) | Self::Sphere(..) => 1.0,
+            Self::Shapes(kinds) => kinds.shadow(direction, parts),
+        }
+    }
+
+    /// The largest of these.
+    pub(super) fn largest_shadow(&self) -> f64 {
+        match self {
+            Self::Refracted(_) | Self::Sphere(..) => 1.0,
+            Self::Shapes(kinds) => kinds.largest_shadow(),
+        }
+    }
+
+    /// Whether grains do not do the same to light of all directions.
+    pub(super) fn lies(&self) -> bool {
+        matches!(self, Self::Shapes(kinds) if kinds.lie())
     }
 
     /// Memory of samples, bytes.
     pub(super) fn memory_bytes(&self) -> u64 {
         match self {
             Self::Refracted(_) | Self::Sphere(..) => 0,
-            Self::Shapes(kinds) => kinds.iter().map(|kind| kind.memory_bytes()).sum(),
+            Self::Shapes(kinds) => kinds.memory_bytes(),
         }
     }
 
@@ -112,7 +132,7 @@ impl Scattering {
                 let aside = aside.unwrap_or_else(|| frame::tangents(direction).0);
                 Some((table.density(cosine), Passage::through(direction, aside, cosine, way)))
             }
-            Self::Shapes(kinds) => kinds[kind].towards(direction, wanted, random[0]),
+            Self::Shapes(kinds) => kinds.towards(direction, wanted, (kind, random[0])),
         }
     }
 
@@ -127,25 +147,26 @@ impl Scattering {
     ) -> (Passage, bool) {
         let straight = calibration.straight;
         let (mut passage, is_straight) = if turn < straight {
-            self.draw_straight(direction, azimuths, (parts, [way, turn / straight]))
+            self.draw_lone(direction, azimuths, (parts, [way, turn / straight]), true)
         } else if turn < -straight {
             (self.draw_twice(direction, azimuths, (parts, [way, turn])), false)
         } else {
             let left = straight.abs();
             let turn = if left > 0.0 { (turn - left) / (1.0 - left) } else { turn };
-            self.draw_once(direction, azimuths, (parts, [way, turn]))
+            self.draw_lone(direction, azimuths, (parts, [way, turn]), false)
         };
         passage.length *= calibration.ice;
         (passage, is_straight)
     }
 
-    /// As a lone grain does.
+    /// As a lone grain does; or, where it lets light pass, straight on, with the ice of the way that it else would have.
     #[inline(always)]
-    fn draw_once(
+    fn draw_lone(
         &self,
         direction: DVec3,
         azimuths: &Azimuths,
         (parts, [way, turn]): (&[u8], [f64; 2]),
+        passes: bool,
     ) -> (Passage, bool) {
         match self {
             Self::Refracted(refracted) => {
@@ -156,40 +177,14 @@ impl Scattering {
             Self::Sphere(passages, _) => {
                 let (passage, rest) = passages.draw(way);
                 let aside = azimuths.across(direction, rest);
-                let (kind, _) = drawn_of(parts, turn);
-                (Passage { kind, ..Passage::of_sphere(direction, aside, passage) }, false)
+                let (kind, _) = drawn_of(parts, turn, |_| 1.0);
+                let passage = match passes {
+                    true => Passage::of_sphere(direction, aside, &passage.straight()),
+                    false => Passage::of_sphere(direction, aside, passage),
+                };
+                (Passage { kind, ..passage }, passes)
             }
-            Self::Shapes(kinds) => {
-                let (kind, way) = drawn_of(parts, way);
-                let aside = azimuths.across(direction, turn);
-                let (passage, is_straight) = kinds[kind].draw(direction, aside, way);
-                (Passage { kind, ..passage }, is_straight)
-            }
-        }
-    }
-
-    /// Straight on, with the ice of the way that it else would have.
-    fn draw_straight(
-        &self,
-        direction: DVec3,
-        azimuths: &Azimuths,
-        (parts, [way, turn]): (&[u8], [f64; 2]),
-    ) -> (Passage, bool) {
-        match self {
-            Self::Refracted(_) => self.draw_once(direction, azimuths, (parts, [way, turn])),
-            Self::Sphere(passages, _) => {
-                let (passage, rest) = passages.draw(way);
-                let aside = azimuths.across(direction, rest);
-                let (kind, _) = drawn_of(parts, turn);
-                let passage = Passage::of_sphere(direction, aside, &passage.straight());
-                (Passage { kind, ..passage }, true)
-            }
-            Self::Shapes(kinds) => {
-                let (kind, way) = drawn_of(parts, way);
-                let aside = azimuths.across(direction, turn);
-                let passage = kinds[kind].draw_straight(direction, aside, way);
-                (Passage { kind, ..passage }, true)
-            }
+            Self::Shapes(kinds) => kinds.draw(direction, azimuths, (parts, [way, turn]), passes),
         }
     }
 
@@ -204,7 +199,7 @@ impl Scattering {
         let key = PathKey::new(way, turn, TWICE);
         let [first, second] = [0, 1].map(|event| numbers(key, event).map(f64::from));
         let once = |direction, [way, turn, _]: [f64; 3]| {
-            self.draw_once(direction, azimuths, (parts, [way, turn])).0
+            self.draw_lone(direction, azimuths, (parts, [way, turn]), false).0
         };
         if first[2] < 0.5 {
             return once(once(direction, first).direction, second);
@@ -216,25 +211,15 @@ impl Scattering {
     }
 }
 
-/// Passages through grains of these shapes, those of one shape once.
-fn passages_of(shapes: &[&Shape], eta: f64) -> Vec<Arc<ShapePassages>> {
-    let mut passages: Vec<Arc<ShapePassages>> = Vec::new();
-    for (kind, shape) in shapes.iter().enumerate() {
-        let before = shapes[..kind].iter().position(|before| before == shape);
-        let known = before.map(|before| Arc::clone(&passages[before]));
-        passages.push(known.unwrap_or_else(|| Arc::new(ShapePassages::new(shape, eta))));
-    }
-    passages
-}
-
-/// One of the kinds of grains that have these parts of all, by a uniform number, and what is left of that; the only one where there are
-/// no parts.
+/// One of the kinds of grains that have these parts of all in their mean shadows, each with a shadow over the mean; by a uniform number,
+/// and what is left of that. The only one where there are no parts.
 #[inline]
-fn drawn_of(parts: &[u8], random: f64) -> (usize, f64) {
-    let all: u32 = parts.iter().map(|&part| u32::from(part)).sum();
-    let mut wanted = random * f64::from(all);
-    for (kind, &part) in parts.iter().enumerate() {
-        let part = f64::from(part);
+pub(super) fn drawn_of(parts: &[u8], random: f64, shadow: impl Fn(usize) -> f64) -> (usize, f64) {
+    let part_of = |(kind, &part): (usize, &u8)| f64::from(part) * shadow(kind);
+    let all: f64 = parts.iter().enumerate().map(part_of).sum();
+    let mut wanted = random * all;
+    for (kind, part) in parts.iter().enumerate() {
+        let part = part_of((kind, part));
         if wanted < part {
             return (kind, (wanted / part).min(1.0f64.next_down()));
         }
@@ -264,6 +249,11 @@ impl Passage {
             entry: Some(vector(passage.entry)),
             kind: 0,
         }
+    }
+
+    /// On as it came.
+    pub(super) fn none(direction: DVec3) -> Self {
+        Self::of_point(direction, direction, 0.0)
     }
 
     fn of_point(turned_from: DVec3, direction: DVec3, length: f64) -> Self {

@@ -61,9 +61,13 @@ pub(super) struct Jump {
 }
 
 impl Shells {
-    /// Spheres that have room in a part of the uniform snow of a medium; `None` where it has no such snow.
+    /// Spheres that have room in a part of the uniform snow of a medium; `None` where it has no such snow, or its grains lie so that
+    /// light of one direction fares otherwise than that of another.
     pub(super) fn new(medium: &Medium, part: &Reach) -> Option<Self> {
         let Inside::Grains(grains) = &medium.inside else { return None };
+        if grains.scattering.lies() {
+            return None;
+        }
         let uniform = grains.uniform.as_ref()?;
         let room = (part.most() - 2.0) * medium.density.shortest_edge();
         let radius = |shell: u32| LEAST * f64::from(1 << shell) * uniform.free_path;

@@ -28,9 +28,13 @@ fn slab_of(
 }
 
 fn mix_of(kinds: &[ShapeKind]) -> ShapeMix {
+    mix_that_lies(kinds, Orientation::Random)
+}
+
+fn mix_that_lies(kinds: &[ShapeKind], orientation: Orientation) -> ShapeMix {
     let mixed = |kind: &ShapeKind| MixedShape {
         shape: Arc::new(Shape::new(*kind).unwrap()),
-        orientation: Orientation::Random,
+        orientation,
         fraction: 1.0,
     };
     ShapeMix::new(kinds.iter().map(mixed).collect(), 4).unwrap()
@@ -148,9 +152,11 @@ fn other_grains_visit_travel_and_let_through_as_much() {
     let plate = ShapeKind::HexagonalPrism { aspect: 0.3, rounding: 0.2 };
     let column = ShapeKind::HexagonalPrism { aspect: 2.5, rounding: 0.0 };
     let cube = ShapeKind::Cube { rounding: 0.5 };
+    let level = mix_that_lies(&[plate], Orientation::Horizontal { spread_degrees: 5.0 });
     let spread = Radii::Uniform { mean: RADIUS, variation: 0.6 * RADIUS };
     let cases = [
         ("plates and columns", Radii::equal(RADIUS), Some(mix_of(&[plate, column])), ETA),
+        ("plates that lie level", Radii::equal(RADIUS), Some(level), ETA),
         ("mixed spheres", spread.clone(), None, ETA),
         ("salt", spread, Some(mix_of(&[cube])), 1.544),
     ];

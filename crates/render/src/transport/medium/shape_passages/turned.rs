@@ -1,28 +1,20 @@
-//! Passages of light through grains of one shape in all orientations alike, by samples of it.
-//!
-//! The kernel that traces snow follows an even field of light through the grain alone. Each way is kept, and its reversal: so uniform
-//! light stays uniform. A way is told in the plane of the directions in which it comes and leaves, which a grain at random has turned
-//! about the former in any way.
+//! Passages of light through grains of one shape in all orientations alike: a grain at random has turned the plane in which a way
+//! lies about the direction in which light comes in any way.
 
-use super::scattering::Passage;
-use crate::laboratory::{Passed, passed};
+use super::super::scattering::Passage;
+use super::{ShapePassage, ways};
 use core::f64::consts::TAU;
-use snowgrain_accel::SimdLevel;
 use snowgrain_geometry::Shape;
-use snowgrain_math::{DVec3, frame};
+use snowgrain_math::DVec3;
 
 /// Ways that are followed, and kept twice. The mean length in ice is off by a part in 400.
 const WAYS: usize = 1 << 16;
-/// Seed of the ways.
-const SEED: u64 = 0x0000_9a55_a9e5;
-/// Less the cosine of the angle within which light counts as not turned: what faces that are parallel let through.
-const STRAIGHT: f64 = 1e-9;
 /// Passages that make up one step of the phase function.
 const STEP: usize = 128;
 
-/// Equally likely passages through a grain.
+/// Equally likely passages.
 #[derive(Clone, Debug)]
-pub(super) struct ShapePassages {
+pub(super) struct TurnedPassages {
     /// In rising order of the cosine by which light is turned; those that go straight on last.
     passages: Vec<ShapePassage>,
     /// Those that are turned.
@@ -31,28 +23,11 @@ pub(super) struct ShapePassages {
     edges: Vec<f64>,
 }
 
-/// One way through a grain: along the direction in which light comes, aside towards that in which it leaves, and across both. Lengths
-/// in radii of the sphere of equal volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct ShapePassage {
-    /// Where it enters, from the centre.
-    entry: [f32; 3],
-    /// From where it enters to where it leaves.
-    displacement: [f32; 3],
-    /// Cosine and sine of the angle by which it is turned.
-    turn: [f32; 2],
-    /// Length in ice.
-    length: f32,
-    /// Straight on from where it enters to where the grain ends.
-    across: f32,
-}
-
-impl ShapePassages {
+impl TurnedPassages {
     /// Of a shape of this refractive index.
     pub(super) fn new(shape: &Shape, eta: f64) -> Self {
-        let ways = passed(shape, eta, (WAYS, SEED), SimdLevel::detect());
-        let both = ways.iter().flat_map(|way| [*way, way.reversed(shape)]);
-        let mut passages: Vec<ShapePassage> = both.map(|way| ShapePassage::of(&way)).collect();
+        let mut passages: Vec<ShapePassage> =
+            ways(shape, eta, WAYS).map(|way| ShapePassage::of(&way)).collect();
         passages.sort_by(|a, b| a.turn[0].total_cmp(&b.turn[0]));
         let turned = passages.partition_point(|passage| passage.turn[0] < 1.0);
         let cosine = |index: usize| f64::from(passages[index].turn[0]);
@@ -80,9 +55,7 @@ impl ShapePassages {
     #[inline]
     pub(super) fn draw_straight(&self, direction: DVec3, aside: DVec3, random: f64) -> Passage {
         let index = (random * self.passages.len() as f64) as usize;
-        let passage = self.passages[index].along(direction, aside);
-        let displacement = direction * f64::from(self.passages[index].across);
-        Passage { direction, displacement, ..passage }
+        self.passages[index].straight_along(direction, aside)
     }
 
     /// Density of light from one direction into another, 1/sr, of light that is turned, and one of the passages that make it up; a uniform
@@ -104,50 +77,7 @@ impl ShapePassages {
         }
         let density = count as f64 / (self.turned as f64 * TAU * width);
         let index = first + (random * count as f64) as usize;
-        let aside = (wanted - direction * cosine).try_normalize();
-        let aside = aside.unwrap_or_else(|| frame::tangents(direction).0);
-        let passage = self.passages[index].along(direction, aside);
-        Some((density, Passage { direction: wanted, ..passage }))
-    }
-}
-
-impl ShapePassage {
-    fn of(way: &Passed) -> Self {
-        let cosine = way.incident.dot(way.direction).clamp(-1.0, 1.0);
-        let turned = (way.direction - way.incident * cosine).try_normalize();
-        let aside = turned.unwrap_or_else(|| frame::tangents(way.incident).0);
-        let axes = [way.incident, aside, way.incident.cross(aside)];
-        let told = |vector: DVec3| axes.map(|axis| vector.dot(axis) as f32);
-        let is_straight = 1.0 - cosine <= STRAIGHT;
-        // Of single precision the greatest cosine below 1.
-        let turn =
-            [(cosine as f32).min(1.0 - f32::EPSILON / 2.0), (1.0 - cosine * cosine).sqrt() as f32];
-        Self {
-            entry: told(way.entry),
-            displacement: told(way.exit - way.entry),
-            turn: if is_straight { [1.0, 0.0] } else { turn },
-            length: way.length as f32,
-            across: way.across as f32,
-        }
-    }
-
-    #[inline]
-    fn along(&self, direction: DVec3, aside: DVec3) -> Passage {
-        let across = direction.cross(aside);
-        let vector = |[x, y, z]: [f32; 3]| {
-            direction * f64::from(x) + aside * f64::from(y) + across * f64::from(z)
-        };
-        let [cosine, sine] = self.turn.map(f64::from);
-        let turned = direction * cosine + aside * sine;
-        Passage {
-            // A step of Newton's towards unit length, which it has but for rounding.
-            direction: turned * (1.5 - 0.5 * turned.length_squared()),
-            turned_from: direction,
-            displacement: vector(self.displacement),
-            length: f64::from(self.length),
-            entry: Some(vector(self.entry)),
-            kind: 0,
-        }
+        Some((density, self.passages[index].turned_towards(direction, wanted)))
     }
 }
 
@@ -158,7 +88,7 @@ mod tests {
     use snowgrain_optics::scatter::ScatterTable;
     use snowgrain_optics::{Dielectric, sphere};
 
-    fn mean(passages: &ShapePassages, of: impl Fn(&ShapePassage) -> f64) -> f64 {
+    fn mean(passages: &TurnedPassages, of: impl Fn(&ShapePassage) -> f64) -> f64 {
         passages.passages.iter().map(of).sum::<f64>() / passages.passages.len() as f64
     }
 
@@ -166,7 +96,7 @@ mod tests {
     #[test]
     fn a_ball_scatters_and_absorbs_as_the_sphere() {
         let ice = Dielectric { eta: 1.31 };
-        let ball = ShapePassages::new(&Shape::new(ShapeKind::Sphere).unwrap(), ice.eta);
+        let ball = TurnedPassages::new(&Shape::new(ShapeKind::Sphere).unwrap(), ice.eta);
         assert_eq!(ball.turned, ball.passages.len());
         let cosine = mean(&ball, |passage| passage.turn[0].into());
         assert!((cosine - sphere::asymmetry(ice)).abs() < 4e-3, "{cosine}");
@@ -197,7 +127,7 @@ mod tests {
     #[test]
     fn a_plate_lets_some_light_straight_through() {
         let plate = ShapeKind::HexagonalPrism { aspect: 0.2, rounding: 0.0 };
-        let plate = ShapePassages::new(&Shape::new(plate).unwrap(), 1.31);
+        let plate = TurnedPassages::new(&Shape::new(plate).unwrap(), 1.31);
         let straight = 1.0 - plate.turned as f64 / plate.passages.len() as f64;
         assert!((0.1..0.9).contains(&straight), "{straight}");
         let steps = plate.edges.windows(2).map(|edges| {
