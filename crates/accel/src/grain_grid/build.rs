@@ -99,7 +99,7 @@ pub(super) fn build(
             flags.extend(strata.iter().map(|stratum| AtomicU8::new(stratum << STRATUM_SHIFT)));
         }
     }
-    let wanted = survey.choose_side(&grains, packing, margin);
+    let wanted = survey.choose_side(&grains, packing, (margin, !words.is_empty()));
     let mut side = wanted;
     let mut crowded = None;
     loop {

@@ -18,24 +18,27 @@ pub enum Packing {
 impl Packing {
     /// Wanted grains listed in a cell that lies within snow. Fast: few enough that a block of 16
     /// seldom runs over, many enough that memory and steps from cell to cell stay few. Compact: few
-    /// of the listed grains reach into several cells, and blocks are nearly full.
-    pub(super) fn grains_per_cell(self) -> f64 {
-        match self {
-            Self::Fast => 10.5,
-            Self::Compact => 26.0,
+    /// of the listed grains reach into several cells, and blocks are nearly full. Where grains have shapes a second block costs little
+    /// beside what is asked of the shapes, and steps cost more.
+    fn grains_per_cell(self, have_shapes: bool) -> f64 {
+        match (self, have_shapes) {
+            (Self::Fast, false) => 10.5,
+            (Self::Fast, true) => 14.0,
+            (Self::Compact, _) => 26.0,
         }
     }
 
     /// Edge of a cell that lists as many grains as wanted, in snow of so many grains of about one `radius` in the unit of
-    /// volume.
-    pub(super) fn cell_side(self, radius: f64, density: f64) -> f64 {
+    /// volume, which may have shapes.
+    pub(super) fn cell_side(self, radius: f64, density: f64, have_shapes: bool) -> f64 {
+        let wanted = self.grains_per_cell(have_shapes);
         let ball = 4.0 / 3.0 * PI * radius * radius * radius;
         // Grains whose balls reach into a cube of edge s: their centres fill its parallel body.
         let listed = |s: f64| {
             density * (s * s * s + 6.0 * s * s * radius + 3.0 * PI * s * radius * radius + ball)
         };
         let mut side = 1.5 * radius;
-        while listed(side * 1.02) <= self.grains_per_cell() && side < f64::from(u16::MAX) {
+        while listed(side * 1.02) <= wanted && side < f64::from(u16::MAX) {
             side *= 1.02;
         }
         side

@@ -92,11 +92,11 @@ impl Survey {
         &self,
         grains: &GrainParts<'_>,
         packing: Packing,
-        margin: i32,
+        (margin, have_shapes): (i32, bool),
     ) -> i32 {
         let radius = trig::cbrt(self.cubes as f64 / self.grains as f64).max(1.0);
         let density = self.grains as f64 / self.occupied_volume(grains, 4.0 * radius);
-        let side = packing.cell_side(radius, density);
+        let side = packing.cell_side(radius, density, have_shapes);
         (side as i32).clamp(1, longest_side(margin).max(1))
     }
 

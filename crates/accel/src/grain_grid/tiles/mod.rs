@@ -57,7 +57,7 @@ pub struct TiledGrains<'a> {
 /// a `volume`, in quanta.
 #[must_use]
 pub fn tile_divisor(period: f64, radius: f64, count: f64, volume: f64) -> i64 {
-    let side = Packing::Fast.cell_side(radius, count / volume);
+    let side = Packing::Fast.cell_side(radius, count / volume, false);
     let bricks = (period / (f64::from(BRICK) * side)).round().max(1.0) as i64;
     bricks * i64::from(BRICK)
 }
@@ -189,7 +189,8 @@ fn sides(tiled: &TiledGrains<'_>, packing: Packing, margin: i32) -> Result<[i32;
     }
     let radius = snowgrain_math::trig::cbrt(cubes as f64 / count as f64).max(1.0);
     let volume = tiled.period.iter().map(|&edge| edge as f64).product::<f64>();
-    let wanted = packing.cell_side(radius, count as f64 / (volume * tiled.variants.len() as f64));
+    let density = count as f64 / (volume * tiled.variants.len() as f64);
+    let wanted = packing.cell_side(radius, density, false);
     let longest = f64::from(longest_side(margin));
     let mut sides = [0; 3];
     for (side, &period) in sides.iter_mut().zip(&tiled.period) {
