@@ -1,9 +1,7 @@
 //! Light that passed through one grain of any shape: where it came in, and where it left.
 
-use super::scattering::{Kept, Lines, lone_grain};
-use crate::measure::in_tasks;
-use crate::transport::{PathEnd, PathResult, trace};
-use core::f64::consts::PI;
+use super::scattering::told_of_met;
+use crate::transport::PathEnd;
 use snowgrain_accel::SimdLevel;
 use snowgrain_geometry::Shape;
 use snowgrain_math::DVec3;
@@ -40,65 +38,30 @@ impl Passed {
     }
 }
 
-/// Light of an even field that met a grain in all its orientations alike, so many ways at least.
+/// Light of an even field that met a grain in all its orientations alike, so many ways.
 ///
 /// # Panics
 /// If the machine does not have the level.
 pub(crate) fn passed(
     shape: &Shape,
     eta: f64,
-    (wanted, seed): (usize, u64),
+    paths: (usize, u64),
     level: SimdLevel,
 ) -> Vec<Passed> {
-    let (world, radius) = lone_grain(shape, eta);
-    let reach = shape.bounding_radius();
-    // Lines over the bounding sphere, of which this part meets the grain, and some more.
-    let met = shape.mean_projected_area() / (PI * reach * reach);
-    let mut lines = (1.02 * wanted as f64 / met) as u64 + 1000;
-    loop {
-        let parts = in_tasks(lines, |first, count| {
-            let kept = Ways { shape, radius, met: Vec::new() };
-            let mut source = Lines::new(reach * radius, seed, first..first + count, kept);
-            trace(&world, level, &mut source);
-            let mut met = source.sums.met;
-            met.sort_by_key(|&(tag, _)| tag);
-            met
-        });
-        let mut ways: Vec<Passed> = parts.into_iter().flatten().map(|(_, way)| way).collect();
-        if ways.len() >= wanted {
-            ways.truncate(wanted);
-            return ways;
-        }
-        lines += lines / 8;
-    }
-}
-
-/// Ways through a grain, with the numbers of their paths.
-struct Ways<'a> {
-    shape: &'a Shape,
-    radius: f64,
-    met: Vec<(u64, Passed)>,
-}
-
-impl Kept for Ways<'_> {
-    fn add(&mut self, tag: u64, incident: DVec3, path: &PathResult) {
-        let (PathEnd::Escaped(ray), Some(first)) = (path.end, path.first_hit) else { return };
-        let (entry, outside) = (first.position / self.radius, ray.origin / self.radius);
+    told_of_met(shape, eta, paths, level, &|incident, path, radius| {
+        let (PathEnd::Escaped(ray), Some(first)) = (path.end, path.first_hit) else { return None };
+        let (entry, outside) = (first.position / radius, ray.origin / radius);
         // A ray that only grazes an edge may miss it by rounding.
-        let Some([_, leaves]) = self.shape.extent(outside, ray.direction) else { return };
-        let exit = outside + ray.direction * leaves;
-        self.met.push((
-            tag,
-            Passed {
-                incident,
-                entry,
-                exit,
-                direction: ray.direction,
-                length: path.ice_length / self.radius,
-                across: across(self.shape, entry, incident),
-            },
-        ));
-    }
+        let [_, leaves] = shape.extent(outside, ray.direction)?;
+        Some(Passed {
+            incident,
+            entry,
+            exit: outside + ray.direction * leaves,
+            direction: ray.direction,
+            length: path.ice_length / radius,
+            across: across(shape, entry, incident),
+        })
+    })
 }
 
 /// Distance along a line through a place on a grain over which the grain lies.

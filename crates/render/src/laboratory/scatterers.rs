@@ -1,7 +1,7 @@
 //! The grains of a layer as what they are to light: spheres, or shapes in all orientations alike.
 
 use super::lengths::LengthHistogram;
-use super::scattering::scattered;
+use super::scattering::{scattered_of, told_of_met};
 use core::f64::consts::PI;
 use snowgrain_accel::SimdLevel;
 use snowgrain_accel::homogeneous::{GrainScattering, ScatteringSample};
@@ -115,25 +115,11 @@ impl ScatteringMix {
             until += mixed.fraction * mixed.shape.mean_projected_area() / (all * shadow);
             let end = (until * SAMPLES as f64).round() as usize;
             let wanted = end.min(SAMPLES).saturating_sub(light.len());
-            light.extend(samples_of(&mixed.shape, eta, wanted, self.seed ^ (index << 32)));
+            let paths = (wanted, self.seed ^ (index << 32));
+            let level = SimdLevel::detect();
+            light.extend(told_of_met(&mixed.shape, eta, paths, level, &scattered_of));
         }
         SampledGrain::new(&light, shadow / PI)
-    }
-}
-
-/// So much light that met a grain.
-fn samples_of(shape: &Shape, eta: f64, wanted: usize, seed: u64) -> Vec<Scattered> {
-    let reach = shape.bounding_radius();
-    // Lines over the bounding sphere, of which this part meets the grain, and some more.
-    let met = shape.mean_projected_area() / (PI * reach * reach);
-    let mut lines = (1.02 * wanted as f64 / met) as u64 + 1000;
-    loop {
-        let mut light = scattered(shape, eta, (lines, seed), SimdLevel::detect());
-        if light.len() >= wanted {
-            light.truncate(wanted);
-            return light;
-        }
-        lines += lines / 8;
     }
 }
 

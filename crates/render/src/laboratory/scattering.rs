@@ -130,24 +130,58 @@ pub fn scattering_of_mix(
 pub(crate) fn scattered(
     shape: &Shape,
     eta: f64,
-    (paths, seed): (u64, u64),
+    paths: (u64, u64),
     level: SimdLevel,
 ) -> Vec<Scattered> {
+    told(shape, eta, paths, level, &scattered_of)
+}
+
+/// What is told of each path of an even field around a grain: by the direction in which it came, what became of it, and the radius
+/// of the grain; so many paths by their seed.
+fn told<T: Send>(
+    shape: &Shape,
+    eta: f64,
+    (paths, seed): (u64, u64),
+    level: SimdLevel,
+    tell: &(impl Fn(DVec3, &PathResult, f64) -> Option<T> + Sync),
+) -> Vec<T> {
     let (world, radius) = lone_grain(shape, eta);
     let reach = shape.bounding_radius();
     let parts = in_tasks(paths, |first, count| {
-        let samples = Samples { radius, met: Vec::new() };
-        let mut source = Lines::new(reach * radius, seed, first..first + count, samples);
+        let each = Each { tell: |incident, path: &_| tell(incident, path, radius), told: vec![] };
+        let mut source = Lines::new(reach * radius, seed, first..first + count, each);
         trace(&world, level, &mut source);
-        let mut met = source.sums.met;
-        met.sort_by_key(|&(tag, _)| tag);
-        met
+        let mut told = source.sums.told;
+        told.sort_by_key(|&(tag, _)| tag);
+        told
     });
-    parts.into_iter().flatten().map(|(_, sample)| sample).collect()
+    parts.into_iter().flatten().map(|(_, told)| told).collect()
+}
+
+/// The same of as many paths as are wanted of which something is told, as it is of those that meet the grain.
+pub(super) fn told_of_met<T: Send>(
+    shape: &Shape,
+    eta: f64,
+    (wanted, seed): (usize, u64),
+    level: SimdLevel,
+    tell: &(impl Fn(DVec3, &PathResult, f64) -> Option<T> + Sync),
+) -> Vec<T> {
+    let reach = shape.bounding_radius();
+    // Lines over the bounding sphere, of which this part meets the grain, and some more.
+    let met = shape.mean_projected_area() / (PI * reach * reach);
+    let mut lines = (1.02 * wanted as f64 / met) as u64 + 1000;
+    loop {
+        let mut light = told(shape, eta, (lines, seed), level, tell);
+        if light.len() >= wanted {
+            light.truncate(wanted);
+            return light;
+        }
+        lines += lines / 8;
+    }
 }
 
 /// A world that holds one grain, and the radius of that.
-pub(super) fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
+fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
     let quantisation = Quantisation::for_grains(DVec3::ZERO, shape.bounding_radius());
     let grain = quantisation.round(DVec3::ZERO, 1.0).expect("a grain fits its own lattice");
     let shapes = ShapedGrains {
@@ -168,7 +202,7 @@ pub(super) fn lone_grain(shape: &Shape, eta: f64) -> (World, f64) {
 }
 
 /// What is kept of paths around a lone grain.
-pub(super) trait Kept {
+trait Kept {
     /// A path that came along `incident`; it has met the grain if it has visits.
     fn add(&mut self, tag: u64, incident: DVec3, path: &PathResult);
 }
@@ -209,38 +243,37 @@ impl Kept for Sums {
     }
 }
 
-/// Light that met the grain, with the numbers of its paths.
-struct Samples {
-    radius: f64,
-    met: Vec<(u64, Scattered)>,
+/// What is told of each path, with its number.
+struct Each<F, T> {
+    tell: F,
+    told: Vec<(u64, T)>,
 }
 
-impl Kept for Samples {
+impl<T, F: Fn(DVec3, &PathResult) -> Option<T>> Kept for Each<F, T> {
     fn add(&mut self, tag: u64, incident: DVec3, path: &PathResult) {
-        let PathEnd::Escaped(Ray { origin, direction, .. }) = path.end else { return };
-        if path.grain_visits == 0 {
-            return;
-        }
-        let cosine = direction.dot(incident).clamp(-1.0, 1.0);
-        // Where the line leaves the sphere of equal volume, or is nearest to it.
-        let middle = origin - direction * origin.dot(direction);
-        let half2 = self.radius * self.radius - middle.length_squared();
-        let place = middle + direction * half2.max(0.0).sqrt();
-        let across = (direction - incident * cosine).try_normalize();
-        let aside = across.map_or(0.0, |across| place.dot(across));
-        self.met.push((
-            tag,
-            Scattered {
-                cosine,
-                exit: trig::atan2(aside, place.dot(incident)),
-                length: path.ice_length / self.radius,
-            },
-        ));
+        self.told.extend((self.tell)(incident, path).map(|told| (tag, told)));
     }
 }
 
+/// How light left a grain of this radius that it met.
+pub(super) fn scattered_of(incident: DVec3, path: &PathResult, radius: f64) -> Option<Scattered> {
+    let PathEnd::Escaped(Ray { origin, direction, .. }) = path.end else { return None };
+    if path.grain_visits == 0 {
+        return None;
+    }
+    let cosine = direction.dot(incident).clamp(-1.0, 1.0);
+    // Where the line leaves the sphere of equal volume, or is nearest to it.
+    let middle = origin - direction * origin.dot(direction);
+    let half2 = radius * radius - middle.length_squared();
+    let place = middle + direction * half2.max(0.0).sqrt();
+    let across = (direction - incident * cosine).try_normalize();
+    let aside = across.map_or(0.0, |across| place.dot(across));
+    let exit = trig::atan2(aside, place.dot(incident));
+    Some(Scattered { cosine, exit, length: path.ice_length / radius })
+}
+
 /// Lines that are spread evenly over all that meet the bounding sphere.
-pub(super) struct Lines<K> {
+struct Lines<K> {
     reach: f64,
     seed: u64,
     next: u64,
@@ -248,11 +281,11 @@ pub(super) struct Lines<K> {
     /// Directions of the paths from number `first` on.
     incident: Vec<DVec3>,
     first: u64,
-    pub(super) sums: K,
+    sums: K,
 }
 
 impl<K> Lines<K> {
-    pub(super) fn new(reach: f64, seed: u64, numbers: Range<u64>, sums: K) -> Self {
+    fn new(reach: f64, seed: u64, numbers: Range<u64>, sums: K) -> Self {
         let Range { start: first, end } = numbers;
         let incident = Vec::with_capacity((end - first) as usize);
         Self { reach, seed, next: first, end, incident, first, sums }
