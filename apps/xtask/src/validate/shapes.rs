@@ -114,18 +114,29 @@ fn mix(bench: &Bench, section: &mut Section) -> Result<()> {
         Comparison::new("forward at 60 degrees by nadir, natural shapes", "at most 1.25");
     comparison.within("faceted", ratio("faceted")?, [0.0, FORWARD_BY_NADIR]);
     section.add(comparison);
+    let brf = |shapes: &str| {
+        let factors = BEHIND.iter().map(|zenith| factor(shapes, zenith, "180"));
+        factors.collect::<Result<Vec<f64>>>()
+    };
+    let (own, spheres) = (brf("faceted")?, brf("spheres")?);
+    let falls = |factors: &[f64]| factors.windows(2).map(|two| two[0] - two[1]).collect::<Vec<_>>();
+    let allowed = 4.0 * core::f64::consts::SQRT_2 * error;
     let mut smooth =
         Comparison::new("no bump at 130 to 142 degrees", "4 sigma of a step between neighbours");
-    let (mut rows, mut last) = (Vec::new(), f64::NEG_INFINITY);
-    for zenith in BEHIND {
-        let (own, sphere) = (factor("faceted", zenith, "180")?, factor("spheres", zenith, "180")?);
-        let allowed = 4.0 * core::f64::consts::SQRT_2 * error;
-        smooth.within(&format!("{zenith} degrees"), own, [last - allowed, f64::INFINITY]);
-        last = own;
-        let angle = 120.0 + zenith.parse::<f64>()?;
-        rows.push(vec![format!("{angle}"), format!("{own:.3}"), format!("{sphere:.3}")]);
+    for (fall, zenith) in falls(&own).into_iter().zip(&BEHIND[1..]) {
+        smooth.within(&format!("fall before {zenith} degrees"), fall, [f64::NEG_INFINITY, allowed]);
     }
     section.add(smooth);
+    let mut rainbow =
+        Comparison::new("a bump of spheres there", "more than 4 sigma of such a step");
+    let largest = falls(&spheres).into_iter().fold(f64::NEG_INFINITY, f64::max);
+    rainbow.within("largest fall", largest, [allowed, f64::INFINITY]);
+    section.add(rainbow);
+    let rows = BEHIND.iter().zip(own.iter().zip(&spheres)).map(|(zenith, (own, sphere))| {
+        let angle = 120.0 + zenith.parse::<f64>()?;
+        Ok(vec![format!("{angle}"), format!("{own:.3}"), format!("{sphere:.3}")])
+    });
+    let rows = rows.collect::<Result<Vec<_>>>()?;
     section.say(format!(
         "Forward at 60 degrees by nadir: {:.3} for the mix, {:.3} for spheres (standard errors of the factors up to \
          {error}). On the side of the light, by the scattering angle:",
