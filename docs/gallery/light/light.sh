@@ -18,7 +18,7 @@ cd "$work"
 
 render() { "$snowgrain" render --quiet --roll-off 0.7 --exposure auto "$@"; }
 render overcast-garden.toml --spp 64 -o overcast.png
-render low-sun-garden.toml --size 400x300 --spp 96 --white-balance sunlit -o low-sun.png
+render low-sun-garden.toml --size 400x300 --spp 192 --white-balance sunlit -o low-sun.png
 render map-garden.toml --size 360x270 --spp 48 -o map.png
 "$snowgrain" deposit "$here/lantern-mould.toml" --quiet -o lantern.ply
 render lantern.toml --size 320x240 --spp 96 -o lantern.png -o lantern.film
