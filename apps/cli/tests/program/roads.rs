@@ -140,6 +140,28 @@ fn deep_roads_tell_the_impurities_of_one_snow_from_anothers() {
     }
 }
 
+/// A plane that catches the shadow of snow: as much of it in media as among grains, and none far from the snow. The dipole lets nothing
+/// through, and its snow is as wide as its density.
+#[test]
+fn media_throw_shadows_on_what_catches_them() {
+    let place = place();
+    let caught = |road: &[&str]| {
+        let catching = ["--set", "object.0.shadow_catcher=true", "--set", "camera.vertical_fov=60"];
+        let render = ["render", "scene.toml", "-o", "caught.exr", "--quiet", "--spp", "64"];
+        place.succeed(&[&render[..], &catching, road].concat());
+        let picture = read_picture(&place.path("caught.exr")).unwrap();
+        let alpha = picture.layer(Layer::A).unwrap();
+        let edge: f32 = alpha[..24].iter().sum();
+        (alpha.iter().sum::<f32>() / alpha.len() as f32, edge / 24.0)
+    };
+    let (exact, _) = caught(&["--set", "integrator={ kind = \"grains\" }"]);
+    for (road, allowed) in ROADS.iter().zip([0.1, 0.1, 0.1, 0.1, 0.4]) {
+        let (found, edge) = caught(road);
+        assert!((found / exact - 1.0).abs() < allowed, "{road:?}: {found} {exact}");
+        assert!(edge < 0.1 * found, "{road:?}: {edge} of {found}");
+    }
+}
+
 #[test]
 fn what_a_road_cannot_do_is_refused_with_a_mend() {
     let place = place();

@@ -151,7 +151,7 @@ The smoothed density has nodes four mean radii apart; each grain adds to the eig
 would put into a solid object is given back to the snow before it. `proxy`, `deep = \"proxy\"` and `deep = \"shells\"` know grains of all shapes, sizes and \
 substances, but no lattices, and those that lie level or along an axis meet light of each direction as they do (there `deep = \"shells\"` is `deep = \"proxy\"`: a jump knows no \
 directions); `volume` and `dipole` know spheres, and one load of impurities for all snow. Media show no dispersion \
-and no shadow catchers (the deep roads do, but refract by one index deep down); `dipole` has no lengths in ice to be graded again. \
+(the deep roads do, but refract by one index deep down); `dipole` has no lengths in ice to be graded again. \
 Suns and small lamps are looked for at every grain and rough surface; the dipole gathers them where they fall on the snow.
 
 In the proxy a grain is met by the density at its centre, which lies ahead of the path, and as often as there is void around the path to be in. So uniform \

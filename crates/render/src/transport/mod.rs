@@ -20,8 +20,16 @@ pub(crate) use walk::trace_with;
 
 use seek::View;
 use snowgrain_accel::STRATA;
-use snowgrain_math::sampler::PathKey;
+use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray};
+
+/// What tells the further random number of a surface from others of its path.
+const FURTHER: u32 = 0x71e_fa5e7;
+
+/// A uniform number for a surface beside the three of its event.
+fn further_number(key: PathKey, event: u32) -> f64 {
+    f64::from(numbers(PathKey { lo: key.lo ^ FURTHER, ..key }, event)[0])
+}
 
 /// A path to be traced.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use super::ice::IceLength;
 use super::seek::{Bounce, Met, PathState, Seeker, Trail};
 use super::{
     Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
-    ROULETTE_THRESHOLD,
+    ROULETTE_THRESHOLD, further_number,
 };
 use crate::World;
 use crate::description::DirectView;
@@ -17,9 +17,6 @@ use snowgrain_accel::flight::Travelled;
 use snowgrain_accel::{Flight, FlightEvent, GrainVisit, STRATA, SimdLevel, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::{PathKey, numbers};
 use snowgrain_math::{DVec3, Ray, frame};
-
-/// What tells the third random number of a surface from others of its path.
-const THIRD: u32 = 0x71e_fa5e7;
 
 /// What the walk keeps of a path beside its lane in the flight.
 #[derive(Clone, Copy)]
@@ -336,7 +333,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
         let (key, [u0, u1, u2]) = (walker.key, numbers(walker.key, event));
         self.flight.set_event(lane, event + 1);
         self.look_at_surface(lane, hit, position, (scatterer, event));
-        let third = || f64::from(numbers(PathKey { lo: key.lo ^ THIRD, ..key }, event)[0]);
+        let third = || further_number(key, event);
         let Some(scattered) = scatterer.sample([u1, u2].map(f64::from), third) else {
             return Err(PathEnd::Absorbed);
         };

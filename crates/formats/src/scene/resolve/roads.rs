@@ -3,9 +3,7 @@
 use super::checks::Checks;
 use crate::scene::SceneError;
 use crate::scene::document::DeepName;
-use snowgrain_render::description::{
-    DirectView, IntegratorKind, SceneDescription, SnowDescription,
-};
+use snowgrain_render::description::{IntegratorKind, SceneDescription, SnowDescription};
 use snowgrain_render::transport::medium::MediumKind;
 
 /// Refuses what a scene asks of a road that it cannot do.
@@ -19,7 +17,6 @@ pub(super) fn refuse_beyond(
         IntegratorKind::Medium(kind) => (kind, kind == MediumKind::Volume),
     };
     let deep = checks.document().integrator.deep != DeepName::Exact;
-    let catches = scene.objects.iter().any(|o| o.direct_view == DirectView::ShadowCatcher);
     let proxy = kind == MediumKind::Proxy;
     let cases = [
         (deep, "follows all light to its end; leave integrator.deep out"),
@@ -29,7 +26,6 @@ pub(super) fn refuse_beyond(
             "does not tell the impurities of one snow from another's",
         ),
         (scene.ice.disperses, "knows no dispersion; leave material.dispersion out"),
-        (catches, "shows no shadow catchers"),
         (proxy && has_lattices(scene), LATTICES),
         (
             volume && scene.ice.eta() <= 1.0,

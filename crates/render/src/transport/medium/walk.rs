@@ -9,7 +9,7 @@ use crate::description::DirectView;
 use crate::transport::ice::IceLength;
 use crate::transport::{
     Contribution, FirstHit, MAX_BOUNCES_WITHOUT_LOSS, NewPath, PathEnd, PathResult, PathSource,
-    ROULETTE_THRESHOLD,
+    ROULETTE_THRESHOLD, further_number,
 };
 use snowgrain_accel::{SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::PathKey;
@@ -214,7 +214,7 @@ impl MediumPath<'_> {
                 return Ok((arrival, Some(hit.id)));
             }
             if is_first {
-                self.see_first(hit, position, [0.0; 3]);
+                self.see_first(hit, position, ([0.0; 3], false));
             }
             return Err(match emitter.shines_towards(hit.normal) {
                 true => PathEnd::Emitted {
@@ -232,13 +232,15 @@ impl MediumPath<'_> {
         }
         let scatterer = material.scatterer(hit, position, direction);
         if is_first {
-            self.see_first(hit, position, scatterer.guide());
+            let is_shadow_catcher = material.direct_view() == DirectView::ShadowCatcher;
+            self.see_first(hit, position, (scatterer.guide(), is_shadow_catcher));
         }
         self.surface_bounces += 1;
         self.look_at_surface(position, hit.id, &scatterer);
+        let event = self.event;
         let [survives, u, v] = self.random();
-        let [third, ..] = self.random();
-        let scattered = scatterer.sample([u, v], || third).ok_or(PathEnd::Absorbed)?;
+        let third = || further_number(self.key, event);
+        let scattered = scatterer.sample([u, v], third).ok_or(PathEnd::Absorbed)?;
         for (throughput, weight) in self.throughput.iter_mut().zip(scattered.weight) {
             *throughput *= weight;
         }
@@ -251,8 +253,12 @@ impl MediumPath<'_> {
         Ok((Ray::new(position, scattered.direction), Some(hit.id)))
     }
 
-    fn see_first(&mut self, hit: &SurfaceHit, position: DVec3, albedo: [f32; 3]) {
-        let is_shadow_catcher = false;
+    fn see_first(
+        &mut self,
+        hit: &SurfaceHit,
+        position: DVec3,
+        (albedo, is_shadow_catcher): ([f32; 3], bool),
+    ) {
         self.first_hit = Some(FirstHit { position, normal: hit.normal, albedo, is_shadow_catcher });
     }
 
