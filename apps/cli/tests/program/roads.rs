@@ -84,6 +84,23 @@ fn other_grains_are_white_in_the_furnace_and_measured_once() {
     }
 }
 
+/// Plates that lie exactly level leave light its height angle, so that some would hardly ever come out of what is measured: it must end
+/// all the same, as must the picture.
+#[test]
+fn plates_that_lie_exactly_level_are_measured_in_time() {
+    let place = place();
+    let plate =
+        "snow.shapes=[{ shape = \"hexagonal-plate\", aspect = 0.3, orientation = \"horizontal\" }]";
+    let white = ["render", "scene.toml", "--furnace", "-o", "white.exr", "--quiet", "--spp", "1"];
+    for road in [&ROADS[0], &ROADS[2]] {
+        place.succeed(&[&white[..], &["--set", plate], road].concat());
+        let picture = read_picture(&place.path("white.exr")).unwrap();
+        let values = picture.layer(Layer::G).unwrap();
+        let off = values.iter().map(|value| (value - 1.0).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-6, "{road:?}: {off}");
+    }
+}
+
 #[test]
 fn threads_do_not_show_in_any_road() {
     let place = place();
