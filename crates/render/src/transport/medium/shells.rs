@@ -17,6 +17,9 @@ use snowgrain_math::{DVec3, frame};
 const LEAST: f64 = 4.0;
 /// Spheres at most.
 const SHELLS: u32 = 6;
+/// Mean free paths beyond a sphere that must be room, too, where small lights are looked for: nothing looks within it, so that light which
+/// came from its last grains to one unhindered would be met by chance, seldom and bright.
+const BEYOND: f64 = 8.0;
 /// Ways through each. Their mean length in ice is off by a part in 200 for the least sphere, less for larger ones.
 const WAYS: u32 = 1 << 15;
 /// Of their random numbers.
@@ -26,6 +29,8 @@ const SEED: u64 = 0x5e11_5eed;
 #[derive(Clone, Debug)]
 pub(super) struct Shells {
     shells: Vec<Shell>,
+    /// Room beyond a sphere, metres.
+    beyond: f64,
 }
 
 /// Ways out of a sphere.
@@ -69,7 +74,8 @@ impl Shells {
             return None;
         }
         let uniform = grains.uniform.as_ref()?;
-        let room = (part.most() - 2.0) * medium.density.shortest_edge();
+        let beyond = if medium.small.is_some() { BEYOND * uniform.free_path } else { 0.0 };
+        let room = (part.most() - 2.0) * medium.density.shortest_edge() - beyond;
         let radius = |shell: u32| LEAST * f64::from(1 << shell) * uniform.free_path;
         let shells = (0..SHELLS).filter(|&shell| radius(shell) <= room).map(|shell| {
             let (radius, of) = (radius(shell), u64::from(shell));
@@ -79,7 +85,7 @@ impl Shells {
             };
             Shell { radius, ways: (0..WAYS).into_par_iter().map(way).collect() }
         });
-        Some(Self { shells: shells.collect() })
+        Some(Self { shells: shells.collect(), beyond })
     }
 
     /// Memory, bytes.
@@ -90,7 +96,7 @@ impl Shells {
     /// The largest sphere that has room, metres.
     #[inline]
     pub(super) fn within(&self, room: f64) -> Option<&Shell> {
-        self.shells.iter().rev().find(|shell| shell.radius <= room)
+        self.shells.iter().rev().find(|shell| shell.radius + self.beyond <= room)
     }
 }
 
