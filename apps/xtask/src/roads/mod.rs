@@ -145,7 +145,8 @@ no step of the index, summed over points by the hierarchy of Jensen and Buhler (
 `integrator.deep = \"proxy\"` follows light exactly until it is deep in the snow, as `\"learnt\"` does, lets it go on as `proxy` there, \
 and exactly again when it comes out: it loses and makes no light, and learns nothing of the lights. \
 `integrator.deep = \"shells\"` is the same, but where there is room in snow that is everywhere the same it jumps from the centre of a sphere of \
-4, 8, ... 128 mean free paths to where one of 32 768 ways through it ended, which the proxy found grain by grain before the picture, each with its own length in ice.
+4, 8, ... 128 mean free paths to where one of 32 768 ways through it ended, which the proxy found grain by grain before the picture, each with its own length in ice. \
+Where small lights are looked for eight mean free paths beyond the sphere must be room, too.
 
 The smoothed density has nodes four mean radii apart; each grain adds to the eight around its centre, and between nodes it is trilinear. What a grain's ball \
 would put into a solid object is given back to the snow before it. `proxy`, `deep = \"proxy\"` and `deep = \"shells\"` know grains of all shapes, sizes and \
