@@ -141,7 +141,12 @@ impl Walk<'_> {
         let mut first: Option<(Part, Interval)> = None;
         for (part, interval) in self.oracle.met(o, d) {
             let nearest = first.map_or(limit, |(_, first)| first.enter);
-            if Some(part) != self.leaving && interval.leave > 0.0 && interval.enter < nearest {
+            // What stands on ice lies in other ice by rounding alone, near where it enters or has just left that too.
+            let last = match self.leaving {
+                Some(_) => 0.5 * (interval.enter + interval.leave),
+                None => interval.leave,
+            };
+            if Some(part) != self.leaving && last > 0.0 && interval.enter < nearest {
                 first = Some((part, interval));
             }
         }

@@ -72,21 +72,6 @@ impl ShapeMix {
         Ok(Self { shapes, seed })
     }
 
-    /// The same, in which what lies level or along an axis does so within a spread of so many degrees at least.
-    #[must_use]
-    pub fn spread_at_least(mut self, degrees: f64) -> Self {
-        for MixedShape { orientation, .. } in &mut self.shapes {
-            match orientation {
-                Orientation::Random => {}
-                Orientation::Horizontal { spread_degrees }
-                | Orientation::Aligned { spread_degrees, .. } => {
-                    *spread_degrees = spread_degrees.max(degrees);
-                }
-            }
-        }
-        self
-    }
-
     /// The shapes.
     #[must_use]
     pub fn shapes(&self) -> &[MixedShape] {

@@ -196,6 +196,19 @@ fn heap() -> Case {
     Case::new(&grains, &kinds(), (DVec3::splat(2.0), 6.0, 2.0))
 }
 
+/// Plates that overlap and lie level, whose bases lie in a few planes.
+fn level_plates() -> Case {
+    let mut grains = packs::strewn(150, DVec3::splat(4.0), [0.45, 0.45], 3);
+    grains.iter_mut().for_each(|grain| grain.center.y = (2.0 * grain.center.y).round() / 2.0);
+    let plate = ShapeKind::HexagonalPrism { aspect: 0.3, rounding: 0.2 };
+    let mut case = Case::new(&grains, &[plate], (DVec3::splat(2.0), 6.0, 2.0));
+    for (index, shape) in case.shapes.iter_mut().enumerate() {
+        let [a, b, _] = numbers(PathKey::new(4, index as u64, 0), 0).map(f64::from);
+        *shape = GrainShape::new(0, [0.0, a - 0.5, 0.0, b]);
+    }
+    case
+}
+
 #[test]
 fn separate_grains_of_each_shape_agree_with_the_oracle() {
     for kind in kinds() {
@@ -241,6 +254,18 @@ fn nothing_is_lost_or_trapped_and_every_simd_level_gives_the_same_bits() {
     for level in SimdLevel::available() {
         let same = format!("{:?}", case.trace(level, 3000)) == format!("{best:?}");
         assert!(same, "{level}");
+    }
+}
+
+/// Where the faces of two grains lie in one plane, rounding says which of them is left first. Light once went to and fro
+/// between them for ever.
+#[test]
+fn light_leaves_grains_whose_faces_lie_in_one_plane() {
+    let case = level_plates();
+    case.agrees_with_oracle(4000);
+    for result in case.trace(SimdLevel::detect(), 1 << 16) {
+        assert!(matches!(result.end, transport::PathEnd::Escaped(_)), "{result:?}");
+        assert!(result.grain_visits < 1000, "{result:?}");
     }
 }
 

@@ -84,10 +84,9 @@ fn other_grains_are_white_in_the_furnace_and_measured_once() {
     }
 }
 
-/// Plates that lie exactly level leave light its height angle, so that some would hardly ever come out of what is measured: it must end
-/// all the same, as must the picture.
+/// Among plates that lie exactly level light once went to and fro for ever in what is measured for the proxy.
 #[test]
-fn plates_that_lie_exactly_level_are_measured_in_time() {
+fn plates_that_lie_exactly_level_are_measured() {
     let place = place();
     let plate =
         "snow.shapes=[{ shape = \"hexagonal-plate\", aspect = 0.3, orientation = \"horizontal\" }]";

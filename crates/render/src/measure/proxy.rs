@@ -12,9 +12,6 @@ const SLAB_DEPTH: f64 = 60.0;
 const STEPS: u32 = 3;
 /// Bare part of the surface above which grains count as apart.
 const APART: f64 = 0.98;
-/// Standard deviation of how grains lie, at least, degrees. Prisms that lie exactly level leave light its height angle, so that what
-/// grazes them would meet 10^8 of them and more before it comes out.
-const LEAST_SPREAD: f64 = 1.0;
 /// Seed of the pack and of its light.
 const SEED: u64 = 0xca11_b0a7;
 /// Light comes through a slab as one over the grains that turn it and about this.
@@ -30,8 +27,7 @@ pub fn calibrate_proxy(snow: &InnerSnow, paths: u64) -> Result<Calibration, Grai
     let [low, high] = PACK_DENSITIES;
     let density = (ICE_DENSITY * snow.solid).clamp(low, high);
     let size = (SLAB_DEPTH * snow.radii.mean(), snow.eta);
-    let mix = snow.mix.clone().map(|mix| mix.spread_at_least(LEAST_SPREAD));
-    let mix = mix.as_ref();
+    let mix = snow.mix.as_ref();
     let slab = match &snow.fell {
         Some(snowfall) => PackedSlab::fallen((snowfall, mix), size, (paths, SEED)),
         None => {

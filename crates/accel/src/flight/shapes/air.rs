@@ -1,6 +1,6 @@
 //! Paths in air: to the next grain, surface or cell.
 
-use super::body::{NOWHERE, entered, interval};
+use super::body::{NOWHERE, entered, interval, is_met};
 use super::candidates::part_of;
 use super::interface::Interface;
 use super::lane::{BodyPart, Entry, Inside, Lane, Phase, SurfaceAnswer};
@@ -140,10 +140,12 @@ impl ShapeFlight<'_> {
             if lane.leaving == Some(body) {
                 continue;
             }
-            let Some([enter, leave]) = interval(part, &ray) else { continue };
+            let Some(ends) = interval(part, &ray) else { continue };
+            let enter = ends[0];
             let at = enter * placement.radius;
-            let is_ahead = leave * placement.radius > lane.travelled;
-            if is_ahead && nearest.is_none_or(|nearest| at < nearest.at) {
+            let ends = ends.map(|end| end * placement.radius);
+            let is_met = is_met(ends, lane.travelled, lane.leaving.is_some());
+            if is_met && nearest.is_none_or(|nearest| at < nearest.at) {
                 nearest = Some(Entry { at, at_radii: enter, body, block, slot, face: None });
             }
         }

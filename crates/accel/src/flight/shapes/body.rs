@@ -101,6 +101,15 @@ pub(super) fn interval(part: &Part, ray: &LocalRay) -> Option<[f64; 2]> {
     (enter < leave).then_some([enter, leave])
 }
 
+/// Whether a path in air, `travelled` far on its line, is to meet a body that the line is in from `enter` to `leave`. One
+/// that stands on ice is in other ice by rounding alone, as where faces of two grains lie in one plane: it enters there, or
+/// has just left both. Met in the latter case, the two would pass it to and fro for ever.
+#[inline(always)]
+pub(super) fn is_met([enter, leave]: [f64; 2], travelled: f64, stands_on_ice: bool) -> bool {
+    let last = if stands_on_ice { 0.5 * (enter + leave) } else { leave };
+    last > travelled
+}
+
 /// Whether a point may lie in the body, as its interval would say: it does not where it is farther outside than
 /// any rounding takes it, 1e-6 radii.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Grains whose bounding spheres paths have come to: eight at a time, where they lie between parallel faces.
 
-use super::body::ELLIPSOID;
+use super::body::{ELLIPSOID, is_met};
 use super::lane::Lane;
 use super::near::{around, near};
 use super::slabs::{Bodies, D, Vectors, WIDTH, Within, turned_back, within};
@@ -435,9 +435,10 @@ impl ShapeFlight<'_> {
                 let (at, block, slot) = eight.places[i];
                 let (enters, gone) = (told.at[i], told.gone[i]);
                 let asks = stretches.asking >> at & 1 != 0;
-                let is_ahead = gone > stretches.travelled[at];
-                let is_covered = asks & is_ahead & (enters <= stretches.travelled[at]);
-                if !is_covered & (asks | !is_ahead | (enters >= stretches.nearest[at])) {
+                let travelled = stretches.travelled[at];
+                let is_covered = asks & (gone > travelled) & (enters <= travelled);
+                let is_met = is_met([enters, gone], travelled, stretches.stands_on_ice(at));
+                if !is_covered & (asks | !is_met | (enters >= stretches.nearest[at])) {
                     continue;
                 }
                 let word = eight.word[i];

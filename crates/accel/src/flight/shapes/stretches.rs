@@ -369,6 +369,12 @@ impl Stretches {
         steps
     }
 
+    /// Whether the stretch of a path began on a grain.
+    #[inline(always)]
+    pub(super) fn stands_on_ice(&self, at: usize) -> bool {
+        self.own_word[at] != 0
+    }
+
     /// Whether a grain, whose centre is told from the cell, is the one that a path stands on.
     #[inline(always)]
     pub(super) fn is_own(&self, at: usize, center: DVec3, word: u64) -> bool {
