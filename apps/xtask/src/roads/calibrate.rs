@@ -76,7 +76,11 @@ impl Grains {
             of("plates", &[plate]),
             Self {
                 orientation: Orientation::Horizontal { spread_degrees: 10.0 },
-                ..of("plates that lie level", &[plate])
+                ..of("plates that lie level, within 10 degrees", &[plate])
+            },
+            Self {
+                orientation: Orientation::Horizontal { spread_degrees: 0.0 },
+                ..of("plates that lie exactly level", &[plate])
             },
             Self {
                 orientation: Orientation::Aligned {

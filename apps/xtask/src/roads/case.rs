@@ -64,7 +64,7 @@ impl Road {
             matches!(self, Self::Exact | Self::Learnt | Self::ProxyInDepth | Self::Shells);
         match body {
             Body::Deepest => is_deep && light == Light::Overcast,
-            Body::Crystals | Body::Level | Body::Layers => {
+            Body::Crystals | Body::Level | Body::ExactlyLevel | Body::Layers => {
                 !matches!(self, Self::Volume | Self::Dipole)
             }
             Body::Deep | Body::Fallen | Body::Thin | Body::Ball => true,
@@ -113,18 +113,20 @@ pub(super) enum Body {
     Fallen,
     Crystals,
     Level,
+    ExactlyLevel,
     Layers,
     Thin,
     Ball,
 }
 
 impl Body {
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Deep,
         Self::Deepest,
         Self::Fallen,
         Self::Crystals,
         Self::Level,
+        Self::ExactlyLevel,
         Self::Layers,
         Self::Thin,
         Self::Ball,
@@ -136,7 +138,8 @@ impl Body {
             Self::Deepest => "20 cm deep",
             Self::Fallen => "5 cm that fell (`rule = \"ray\"`)",
             Self::Crystals => "5 cm of plates and columns",
-            Self::Level => "5 cm of plates that lie level",
+            Self::Level => "5 cm of plates that lie level, within 10 degrees",
+            Self::ExactlyLevel => "5 cm of plates that lie exactly level",
             Self::Layers => "2.5 cm of spheres (350 kg/m^3) under 2.5 cm of plates (200 kg/m^3)",
             Self::Thin => "5 mm on dark ground",
             Self::Ball => "ball 2 cm across",
@@ -170,11 +173,14 @@ impl Body {
                  [[snow.shapes]]\nshape = \"hexagonal-column\"\naspect = 2.5\n",
                 block(0.05, 0.08)
             ),
-            Self::Level => format!(
-                "{}[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\nrounding = 0.2\n\
-                 orientation = \"horizontal\"\nspread = 10\n",
-                block(0.05, 0.08)
-            ),
+            Self::Level | Self::ExactlyLevel => {
+                let spread = if self == Self::Level { 10 } else { 0 };
+                format!(
+                    "{}[[snow.shapes]]\nshape = \"hexagonal-plate\"\naspect = 0.3\nrounding = 0.2\n\
+                     orientation = \"horizontal\"\nspread = {spread}\n",
+                    block(0.05, 0.08)
+                )
+            }
             Self::Layers => format!(
                 "{}source = \"pack\"\ndensity = 350\nbox = [0, 0, 0, 0.08, 0.025, 0.08]\n\
                  [[snow]]\nradius = 0.0005\nsource = \"pack\"\ndensity = 200\n\

@@ -208,7 +208,7 @@ grains to be seen, and its snow falls off over four radii at the edge: thin snow
 let more light through. Snow of several kinds is calibrated by that of most grains alone. Crystals in the sun are 12 to 18 % too bright as the proxy from the first \
 grain, and right where they are it in depth. Plates that lie level hide light from above more than from the side, and \
 mirror it up and down: ways through them are kept for each direction (64 classes of its height; where grains are not turned about the vertical alike, 32 by 32 \
-of its azimuth). What lies exactly level is measured within a degree: grazing light would hardly leave it.
+of its azimuth).
 - *Shells* save little while spheres are small: light is scattered forward, so that at 275 kg/m^3 one of 4 mean free paths stands for 3 \
 grains, of 8 for 7, of 16 for 20, of 32 for 63. On snow 5 cm deep they are slower than the proxy, on 20 cm faster than exact light. Nowhere \
 are they faster than *learnt*, which ends paths and so has less noise, too: they are kept to be compared with.
