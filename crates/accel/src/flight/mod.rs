@@ -30,7 +30,7 @@ use shapes::ShapeFlight;
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
 
-/// Paths in flight on one core: enough that the memory that some wait for arrives while the others
+/// Paths in flight on one core, at most: enough that the memory that some wait for arrives while the others
 /// are worked on.
 pub const LANES: usize = 64;
 
@@ -119,7 +119,16 @@ impl<'a> Flight<'a> {
         Self { grid, level, engine }
     }
 
-    /// Makes `lane` the lane of a new path whose next random event is `event`; [`Self::enter`] then
+    /// Paths that are best in flight at once, at most [`LANES`].
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        match self.engine {
+            Engine::Blocks(_) | Engine::Crystal(_) => LANES,
+            Engine::Shapes(_) => shapes::LANES,
+        }
+    }
+
+    /// Makes `lane`, below [`Self::lanes`], the lane of a new path whose next random event is `event`; [`Self::enter`] then
     /// puts it into the grid.
     #[inline]
     pub fn launch(&mut self, lane: usize, key: PathKey, event: u32) {

@@ -70,6 +70,7 @@ pub(crate) fn trace_with<'a, Source: PathSource>(
     }
     let trails = || std::array::from_fn(|_| Trail::default());
     let search = seeker.map(|seeker| Search { seeker, trails: trails() });
+    let lanes = flight.lanes();
     let mut walk = Walk {
         world,
         flight,
@@ -78,12 +79,12 @@ pub(crate) fn trace_with<'a, Source: PathSource>(
         deep,
         visits: Vec::new(),
         found: Vec::new(),
-        in_use: LANES,
+        in_use: lanes,
     };
-    for lane in 0..LANES {
+    for lane in 0..lanes {
         walk.refill(lane, source);
     }
-    let mut events = Vec::with_capacity(LANES);
+    let mut events = Vec::with_capacity(lanes);
     loop {
         walk.flight.advance(&mut events);
         if !walk.take_arrivals() && events.is_empty() {
@@ -172,7 +173,7 @@ impl<Tag: Copy> Walk<'_, Tag> {
     /// When the source is dry, moves the last paths into the lanes that became free, so that the
     /// flight has fewer lanes to look at.
     fn close_ranks(&mut self) {
-        for lane in 0..LANES {
+        for lane in 0..self.in_use {
             while self.in_use > lane && self.walkers[self.in_use - 1].is_none() {
                 self.in_use -= 1;
             }

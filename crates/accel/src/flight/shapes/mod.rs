@@ -27,7 +27,7 @@ pub(super) use probe::ShapeProbes;
 
 use super::deep_watch::{DeepAnswer, DeepWatch};
 use super::visit::{ArrivalFrom, GrainVisit, ShapedArrival, VISITS_AT_ONCE};
-use super::{FirstGrain, FlightEvent, LANES, Travelled};
+use super::{FirstGrain, FlightEvent, Travelled};
 use crate::grain_grid::{GridPosition, GridShapes, ShapeWord};
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use body::NOWHERE;
@@ -42,6 +42,10 @@ use visits::Visits;
 
 /// Paths that move on together, while those of another group wait for memory.
 const GROUP: usize = 16;
+
+/// Paths in flight on one core. A visit takes so long that memory arrives while one other group is worked on, and what is
+/// known of more of them would not stay in the nearest cache.
+pub(super) const LANES: usize = 2 * GROUP;
 
 /// A surface so little behind the end of a chord, quanta, is met before it: two distances from different
 /// origins, metres rounded to doubles, are told apart to less.
