@@ -11,6 +11,7 @@ use crate::grain_grid::{
     AXES, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, OVERLAPS, Prototype, ROUND,
     ShapeWord, Slabs,
 };
+use crate::prefetch::prefetch;
 use fearless_simd::prelude::*;
 use fearless_simd::{mask32x16, u32x16, u64x8};
 use snowgrain_geometry::GrainShape;
@@ -296,12 +297,18 @@ impl ShapeFlight<'_> {
         let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
         let slots = u32x16::from_slice(simd, &SLOTS);
         let get = |rows: &[[f32; GROUP]; 3], at: usize| [rows[0][at], rows[1][at], rows[2][at]];
+        let shapes = self.shapes.blocks.as_slice();
         let (mut blocks, mut found) = (0, 0);
         let mut list = |at: usize, number: usize, near: mask32x16<S>| {
             // Without a branch that would wait for the answer.
             let slots = simd.compress_u32x16(slots | (blocks << 4) as u32, near);
             slots.store_slice(&mut candidates[found..found + GRAINS_PER_BLOCK]);
-            found += near.to_bitmask().count_ones() as usize;
+            let near = near.to_bitmask() as u32;
+            found += near.count_ones() as usize;
+            // Of most blocks few grains are near, or none.
+            let words = &shapes[number];
+            prefetch(&words[near.trailing_zeros() as usize % GRAINS_PER_BLOCK]);
+            prefetch(&words[(31 - (near | 1).leading_zeros()) as usize % GRAINS_PER_BLOCK]);
             asked[blocks] = Asked { at: at as u32, block: number as u32 };
             blocks += 1;
         };

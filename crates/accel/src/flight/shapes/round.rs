@@ -6,7 +6,6 @@ use super::stretches::next;
 use super::{GROUP, Phase, ShapeFlight, VISITS_AT_ONCE};
 use crate::flight::MAX_TURNS_IN_ICE;
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord, Storage};
-use crate::prefetch::prefetch;
 use fearless_simd::Simd;
 use snowgrain_math::DVec3;
 
@@ -186,9 +185,6 @@ impl ShapeFlight<'_> {
             stretches.entry[at] = entry.0;
             for number in entry.blocks() {
                 self.grid.blocks()[number].prefetch();
-                let words = &self.shapes.blocks[number];
-                prefetch(&words[0]);
-                prefetch(&words[8]);
             }
         }
         let mut lanes = self.in_ice[group];

@@ -178,7 +178,8 @@ pub(super) fn within<S: Simd>(
     direction: Vectors<S>,
 ) -> Within<S> {
     let splat = |x: f64| D::<S>::splat(simd, x);
-    let (zero, none, all) = (splat(0.0), splat(f64::NEG_INFINITY), splat(f64::INFINITY));
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let (none, all) = (splat(f64::NEG_INFINITY), splat(f64::INFINITY));
     let (above, slopes) = (origin.along_axes(simd), direction.along_axes(simd));
     let (mut enter, mut leave, mut by) = (none, all, zero);
     for axis in 0..bodies.axes() {
@@ -186,9 +187,10 @@ pub(super) fn within<S: Simd>(
         let half = bodies.half[axis];
         let crosses = way.slope.simd_gt(zero);
         let outside = above[axis].abs().simd_gt(half);
-        let near = crosses.select((zero - half - way.along) / way.slope, none);
+        let inverse = one / way.slope;
+        let near = crosses.select((zero - half - way.along) * inverse, none);
         let beside = outside.select(none, all);
-        let far = crosses.select((half - way.along) / way.slope, beside);
+        let far = crosses.select((half - way.along) * inverse, beside);
         let later = near.simd_gt(enter);
         let number = splat(axis as f64 + 1.0);
         by = later.select(way.upwards.select(zero - number, number), by);
