@@ -4,7 +4,7 @@ use super::body::{NOWHERE, entered, interval, is_met};
 use super::candidates::part_of;
 use super::interface::Interface;
 use super::lane::{BodyPart, Entry, Inside, Lane, Phase, SurfaceAnswer};
-use super::near::{self, near};
+use super::near::{self, Window, near};
 use super::visits::Departure;
 use super::{GROUP, SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent};
@@ -106,11 +106,11 @@ impl ShapeFlight<'_> {
         }
         let position = lane.local(lane.travelled).to_array().map(|x| x as f32);
         let direction = lane.direction.to_array().map(|x| x as f32);
-        let before = if lane.travelled > 0.0 { 0.0 } else { f32::NEG_INFINITY };
         let last = |nearest: Option<Entry>| {
             (nearest.map_or(limit, |nearest| nearest.at.min(limit)) - lane.travelled) as f32
         };
-        let mut window = [before, last(lane.nearest)];
+        let begins = lane.travelled <= 0.0;
+        let mut window = Window { begins, last: last(lane.nearest) };
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
             let near = near(simd, block, (position, direction), window, near::NOWHERE);
@@ -118,7 +118,7 @@ impl ShapeFlight<'_> {
             while slots != 0 {
                 let slot = slots.trailing_zeros() as usize & 15;
                 slots &= slots - 1;
-                window[1] = last(look(number, slot));
+                window.last = last(look(number, slot));
             }
         }
     }

@@ -315,7 +315,7 @@ impl ShapeFlight<'_> {
         let mut lanes = stretches.air;
         while let Some(at) = next(&mut lanes) {
             let ray = (get(&stretches.position, at), get(&stretches.course, at));
-            let window = [stretches.window[0][at], stretches.window[1][at]];
+            let window = stretches.window(at);
             let but = get(&stretches.own, at);
             for number in CellEntry(stretches.entry[at]).blocks() {
                 let block = &self.grid.blocks()[number];

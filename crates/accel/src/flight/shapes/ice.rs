@@ -3,7 +3,7 @@
 use super::body::{interval, left, may_hold};
 use super::interface::Interface;
 use super::lane::{BodyPart, Inside};
-use super::near::{self, near};
+use super::near::{self, Window, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
 use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
@@ -76,7 +76,7 @@ impl ShapeFlight<'_> {
         let mut best: Option<Inside> = None;
         for number in lane.entry.blocks() {
             let block = &self.grid.blocks()[number];
-            let window = [f32::NEG_INFINITY, 0.0];
+            let window = Window { begins: true, last: 0.0 };
             let near = near(simd, block, (position, direction), window, near::NOWHERE);
             let mut slots = near.to_bitmask() as u32;
             while slots != 0 {

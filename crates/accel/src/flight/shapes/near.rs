@@ -43,32 +43,45 @@ impl<S: Simd> Around<S> {
     }
 }
 
-/// The slots whose bounding sphere the line through `position` (cell quanta) along `direction` meets, from a little
-/// before the position on, and enters within `[first, last]` of it, to [`TOLERANCE`]; none for a grain whose centre is
-/// `but`.
+/// The part of a stretch that lies in a cell, from where it is told.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    /// Whether the stretch begins there: then spheres count that hold its beginning, else those alone that it enters in the cell.
+    pub(super) begins: bool,
+    /// Where it ends, quanta.
+    pub(super) last: f32,
+}
+
+/// The slots whose bounding sphere the line through `position` (cell quanta) along `direction` meets in a window, to
+/// [`TOLERANCE`]; none for a grain whose centre is `but`. Which of those within the tolerance may depend on the machine: who
+/// asks must look at each exactly.
 #[inline(always)]
 pub(super) fn near<S: Simd>(
     simd: S,
     block: &Block,
     (position, direction): ([f32; 3], [f32; 3]),
-    [first, last]: [f32; 2],
+    Window { begins, last }: Window,
     but: [f32; 3],
 ) -> mask32x16<S> {
     let splat = |x: f32| f32x16::splat(simd, x);
     let Around { x, y, z, radius2, others } = Around::new(simd, block, position, but);
     let (dx, dy, dz) = (splat(direction[0]), splat(direction[1]), splat(direction[2]));
-    let middle = x * dx + y * dy + z * dz;
-    let (rx, ry, rz) = (x - middle * dx, y - middle * dy, z - middle * dz);
+    let dot = |a: [f32x16<S>; 3], b: [f32x16<S>; 3]| {
+        a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+    };
+    let middle = dot([x, y, z], [dx, dy, dz]);
+    let back = -middle;
+    let foot = [back.mul_add(dx, x), back.mul_add(dy, y), back.mul_add(dz, z)];
     // Half the chord, squared: no root is needed to compare it.
-    let half2 = radius2 - (rx * rx + ry * ry + rz * rz);
+    let half2 = radius2 - dot(foot, foot);
     let zero = splat(0.0);
     let behind = middle + splat(TOLERANCE);
-    let ahead = behind.simd_gt(zero) | half2.simd_gt(behind * behind);
+    let (is_ahead, holds) = (behind.simd_ge(zero), half2.simd_gt(behind * behind));
+    let enters = is_ahead & !holds;
+    let is_met = enters | (holds & mask32x16::splat(simd, begins));
     let to_last = middle - splat(last + TOLERANCE);
     let soon = to_last.simd_le(zero) | half2.simd_ge(to_last * to_last);
-    let to_first = middle - splat(first - TOLERANCE);
-    let late = to_first.simd_ge(zero) & half2.simd_le(to_first * to_first);
-    half2.simd_gt(zero) & others & ahead & soon & late
+    half2.simd_gt(zero) & others & is_met & soon
 }
 
 /// The slots whose bounding sphere holds a point (cell quanta); none for a grain whose centre is `but`. Spheres are 2

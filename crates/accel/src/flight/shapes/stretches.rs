@@ -6,6 +6,7 @@
 
 use super::GROUP;
 use super::lane::Cells;
+use super::near::Window;
 use super::slabs::{D, Truth, Vectors, WIDTH};
 use super::visits::Visits;
 use crate::grain_grid::CellEntry;
@@ -47,10 +48,12 @@ pub(super) struct Stretches {
     /// Paths that leave it across each axis, and those that go upwards.
     crosses: [u32; 3],
     upwards: [u32; 3],
-    /// Place, direction, and where spheres that may be met begin, as blocks are asked.
+    /// Place, direction, and where spheres that may be met end, as blocks are asked.
     pub(super) position: [[f32; GROUP]; 3],
     pub(super) course: [[f32; GROUP]; 3],
-    pub(super) window: [[f32; GROUP]; 2],
+    last: [f32; GROUP],
+    /// Those whose stretch begins in the cell.
+    begins: u32,
     /// The centre, in the cell, of the grain that is not to be met.
     pub(super) own: [[f32; GROUP]; 3],
 }
@@ -81,7 +84,8 @@ impl Default for Stretches {
             upwards: [0; 3],
             position: [[0.0; GROUP]; 3],
             course: [[0.0; GROUP]; 3],
-            window: [[0.0; GROUP]; 2],
+            last: [0.0; GROUP],
+            begins: 0,
             own: [[0.0; GROUP]; 3],
         }
     }
@@ -181,7 +185,7 @@ impl Stretches {
     pub(super) fn look_ahead<S: Simd>(&mut self, simd: S, cells: &Cells, concentric: bool) {
         // Where grains share centres, these do not tell which is which.
         let alone = if concentric { 0 } else { self.alone };
-        (self.crosses, self.upwards) = ([0; 3], [0; 3]);
+        (self.crosses, self.upwards, self.begins) = ([0; 3], [0; 3], 0);
         let low = self.look_ahead_eight(simd, cells, 0);
         let high = self.look_ahead_eight(simd, cells, WIDTH);
         let narrowed = |row: &mut [f32; GROUP], low: D<S>, high: D<S>| {
@@ -204,8 +208,7 @@ impl Stretches {
             let (low, high) = (local(0), local(WIDTH));
             narrowed(&mut self.own[axis], low, high);
         }
-        narrowed(&mut self.window[0], low.1[0], high.1[0]);
-        narrowed(&mut self.window[1], low.1[1], high.1[1]);
+        narrowed(&mut self.last, low.1, high.1);
     }
 
     #[inline(always)]
@@ -214,7 +217,7 @@ impl Stretches {
         simd: S,
         cells: &Cells,
         first: usize,
-    ) -> (Vectors<S>, [D<S>; 2]) {
+    ) -> (Vectors<S>, D<S>) {
         let splat = |x: f64| f64x8::splat(simd, x);
         let zero = splat(0.0);
         let mut exit = splat(f64::INFINITY);
@@ -242,12 +245,18 @@ impl Stretches {
         exit.store_slice(&mut self.exit[first..first + WIDTH]);
         let nearest = load(simd, &self.nearest, first);
         let last = nearest.simd_lt(exit).select(nearest, exit) - travelled;
-        let begins = travelled.simd_gt(zero).select(zero, splat(f64::NEG_INFINITY));
+        self.begins |= (travelled.simd_le(zero).to_bitmask() as u32) << first;
         let origin = Vectors::load(simd, &self.origin, first);
         let direction = Vectors::load(simd, &self.direction, first);
         let local = origin.plus(direction, travelled);
         let local = local.minus(Vectors::load(simd, &self.offset, first));
-        (local, [begins, last])
+        (local, last)
+    }
+
+    /// What of the stretch of a path lies in its cell.
+    #[inline(always)]
+    pub(super) fn window(&self, at: usize) -> Window {
+        Window { begins: self.begins >> at & 1 != 0, last: self.last[at] }
     }
 
     /// Paths in air that enter the nearest grain before they leave their cell.
