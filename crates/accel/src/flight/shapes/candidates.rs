@@ -3,13 +3,13 @@
 use super::body::{ELLIPSOID, is_met};
 use super::lane::Lane;
 use super::near::{around, near};
-use super::slabs::{Bodies, D, Vectors, WIDTH, Within, turned_back, within};
+use super::slabs::{Bodies, D, Truth, Vectors, WIDTH, Within, turned_back, within};
 use super::stretches::{Stretches, next, vector};
 use super::visits::{Met, Visits};
 use super::{BodyPart, GROUP, ShapeFlight};
 use crate::grain_grid::{
-    AXES, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, OVERLAPS, Prototype, ROUND,
-    ShapeWord, Slabs,
+    AXES, BlockShapes, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, OVERLAPS, Prototype,
+    ROUND, ShapeWord, Slabs,
 };
 use crate::prefetch::prefetch;
 use fearless_simd::prelude::*;
@@ -120,6 +120,38 @@ impl Default for Scratch {
             eights: Vec::new(),
             told: Told::NOTHING,
         }
+    }
+}
+
+/// Candidates as they are listed.
+struct List<'a> {
+    scratch: &'a mut Scratch,
+    blocks: usize,
+    found: usize,
+}
+
+impl List<'_> {
+    /// Adds those of the slots of a block, asked by a path, that are near, and asks for their shapes.
+    #[inline(always)]
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        (at, number): (usize, usize),
+        near: mask32x16<S>,
+        words: &BlockShapes,
+    ) {
+        let Scratch { asked, candidates, .. } = &mut *self.scratch;
+        // Without a branch that would wait for the answer.
+        let slots = u32x16::from_slice(simd, &SLOTS) | (self.blocks << 4) as u32;
+        let slots = simd.compress_u32x16(slots, near);
+        slots.store_slice(&mut candidates[self.found..self.found + GRAINS_PER_BLOCK]);
+        asked[self.blocks] = Asked { at: at as u32, block: number as u32 };
+        let near = near.to_bitmask() as u32;
+        self.found += near.count_ones() as usize;
+        self.blocks += 1;
+        // Of most blocks few grains are near, or none.
+        prefetch(&words[near.trailing_zeros() as usize % GRAINS_PER_BLOCK]);
+        prefetch(&words[(31 - (near | 1).leading_zeros()) as usize % GRAINS_PER_BLOCK]);
     }
 }
 
@@ -253,30 +285,40 @@ fn numbers<S: Simd>(simd: S, words: u64x8<S>, less: f64) -> D<S> {
     bits - D::<S>::splat(simd, EVEN + less)
 }
 
+/// A component of rotations, of those that are kept.
+#[inline(always)]
+fn component<S: Simd>(simd: S, words: u64x8<S>, place: u32) -> D<S> {
+    let bits = words >> (GrainShape::COMPONENT_BITS * place)
+        & u64x8::splat(simd, (1 << GrainShape::COMPONENT_BITS) - 1);
+    numbers(simd, bits, GrainShape::STEPS) * D::<S>::splat(simd, GrainShape::STEP)
+}
+
+/// Whose bit is set.
+#[inline(always)]
+fn has_bit<S: Simd>(simd: S, words: u64x8<S>, shift: u32) -> Truth<S> {
+    let one = u64x8::splat(simd, 1);
+    (words >> shift & one).simd_eq(one)
+}
+
 /// Axes of grains in the world, as [`GrainShape::rotation`] decodes them.
 #[inline(always)]
 fn axes<S: Simd>(simd: S, words: u64x8<S>) -> [Vectors<S>; 3] {
-    let splat = |x: f64| D::<S>::splat(simd, x);
-    let (zero, one) = (splat(0.0), splat(1.0));
-    let component = |place: u32| {
-        let bits = words >> (GrainShape::COMPONENT_BITS * place)
-            & u64x8::splat(simd, (1 << GrainShape::COMPONENT_BITS) - 1);
-        numbers(simd, bits, GrainShape::STEPS) * splat(GrainShape::STEP)
-    };
-    let [a, b, c] = [component(0), component(1), component(2)];
+    let (zero, one) = (D::<S>::splat(simd, 0.0), D::<S>::splat(simd, 1.0));
+    let [a, b, c] =
+        [component(simd, words, 0), component(simd, words, 1), component(simd, words, 2)];
     let rest = one - (a * a + b * b + c * c);
     let rest = rest.simd_gt(zero).select(rest, zero).sqrt();
     // The others follow the largest in a ring: on by one place, by two.
-    let bit = |shift: u32| {
-        let one = u64x8::splat(simd, 1);
-        (words >> shift & one).simd_eq(one)
-    };
-    let by_one = bit(GrainShape::LARGEST_SHIFT);
+    let by_one = has_bit(simd, words, GrainShape::LARGEST_SHIFT);
     let ring =
         [by_one.select(c, rest), by_one.select(rest, a), by_one.select(a, b), by_one.select(b, c)];
-    let by_two = bit(GrainShape::LARGEST_SHIFT + 1);
-    let component = |i: usize| by_two.select(ring[i ^ 2], ring[i]);
-    let (x, y, z, w) = (component(0), component(1), component(2), component(3));
+    let by_two = has_bit(simd, words, GrainShape::LARGEST_SHIFT + 1);
+    let [x, y, z, w] = [
+        by_two.select(ring[2], ring[0]),
+        by_two.select(ring[3], ring[1]),
+        by_two.select(ring[0], ring[2]),
+        by_two.select(ring[1], ring[3]),
+    ];
     let (x2, y2, z2) = (x + x, y + y, z + z);
     let (xx, yy, zz) = (x * x2, y * y2, z * z2);
     let (xy, xz, yz) = (x * y2, x * z2, y * z2);
@@ -294,24 +336,9 @@ impl ShapeFlight<'_> {
     #[inline(always)]
     pub(super) fn gather<S: Simd>(&mut self, simd: S, first: usize) -> u32 {
         let stretches = &self.stretches[first / GROUP];
-        let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
-        let slots = u32x16::from_slice(simd, &SLOTS);
-        let get = |rows: &[[f32; GROUP]; 3], at: usize| [rows[0][at], rows[1][at], rows[2][at]];
         let shapes = self.shapes.blocks.as_slice();
-        let (mut blocks, mut found) = (0, 0);
-        let mut list = |at: usize, number: usize, near: mask32x16<S>| {
-            // Without a branch that would wait for the answer.
-            let slots = simd.compress_u32x16(slots | (blocks << 4) as u32, near);
-            slots.store_slice(&mut candidates[found..found + GRAINS_PER_BLOCK]);
-            let near = near.to_bitmask() as u32;
-            found += near.count_ones() as usize;
-            // Of most blocks few grains are near, or none.
-            let words = &shapes[number];
-            prefetch(&words[near.trailing_zeros() as usize % GRAINS_PER_BLOCK]);
-            prefetch(&words[(31 - (near | 1).leading_zeros()) as usize % GRAINS_PER_BLOCK]);
-            asked[blocks] = Asked { at: at as u32, block: number as u32 };
-            blocks += 1;
-        };
+        let get = |rows: &[[f32; GROUP]; 3], at: usize| [rows[0][at], rows[1][at], rows[2][at]];
+        let mut list = List { scratch: &mut self.scratch, blocks: 0, found: 0 };
         let mut lanes = stretches.air;
         while let Some(at) = next(&mut lanes) {
             let ray = (get(&stretches.position, at), get(&stretches.course, at));
@@ -319,7 +346,8 @@ impl ShapeFlight<'_> {
             let but = get(&stretches.own, at);
             for number in CellEntry(stretches.entry[at]).blocks() {
                 let block = &self.grid.blocks()[number];
-                list(at, number, near(simd, block, ray, window, but));
+                let near = near(simd, block, ray, window, but);
+                list.add(simd, (at, number), near, &shapes[number]);
             }
         }
         let mut lanes = stretches.asking;
@@ -327,10 +355,11 @@ impl ShapeFlight<'_> {
             let (position, but) = (get(&stretches.position, at), get(&stretches.own, at));
             for number in CellEntry(stretches.entry[at]).blocks() {
                 let block = &self.grid.blocks()[number];
-                list(at, number, around(simd, block, position, but));
+                let around = around(simd, block, position, but);
+                list.add(simd, (at, number), around, &shapes[number]);
             }
         }
-        *count = found;
+        list.scratch.count = list.found;
         if self.kinds.all_have_slabs && !self.shapes.concentric {
             return 0;
         }

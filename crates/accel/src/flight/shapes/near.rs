@@ -66,9 +66,8 @@ pub(super) fn near<S: Simd>(
     let splat = |x: f32| f32x16::splat(simd, x);
     let Around { x, y, z, radius2, others } = Around::new(simd, block, position, but);
     let (dx, dy, dz) = (splat(direction[0]), splat(direction[1]), splat(direction[2]));
-    let dot = |a: [f32x16<S>; 3], b: [f32x16<S>; 3]| {
-        a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-    };
+    let dot =
+        |a: [f32x16<S>; 3], b: [f32x16<S>; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
     let middle = dot([x, y, z], [dx, dy, dz]);
     let back = -middle;
     let foot = [back.mul_add(dx, x), back.mul_add(dy, y), back.mul_add(dz, z)];

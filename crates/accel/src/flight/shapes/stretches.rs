@@ -136,6 +136,13 @@ fn load<S: Simd>(simd: S, row: &[f64; GROUP], first: usize) -> D<S> {
     D::<S>::from_slice(simd, &row[first..first + WIDTH])
 }
 
+/// Stores sixteen numbers in single precision.
+#[inline(always)]
+fn narrow<S: Simd>(simd: S, row: &mut [f32; GROUP], [low, high]: [D<S>; 2]) {
+    let both: f32x16<S> = simd.narrow_f64x8(low, high);
+    both.store_slice(row);
+}
+
 /// Stores what belongs to `lanes`.
 #[inline(always)]
 fn store<S: Simd>(simd: S, lanes: Truth<S>, value: D<S>, row: &mut [f64; GROUP], first: usize) {
@@ -188,27 +195,25 @@ impl Stretches {
         (self.crosses, self.upwards, self.begins) = ([0; 3], [0; 3], 0);
         let low = self.look_ahead_eight(simd, cells, 0);
         let high = self.look_ahead_eight(simd, cells, WIDTH);
-        let narrowed = |row: &mut [f32; GROUP], low: D<S>, high: D<S>| {
-            let both: f32x16<S> = simd.narrow_f64x8(low, high);
-            both.store_slice(row);
-        };
-        narrowed(&mut self.position[0], low.0.0, high.0.0);
-        narrowed(&mut self.position[1], low.0.1, high.0.1);
-        narrowed(&mut self.position[2], low.0.2, high.0.2);
+        narrow(simd, &mut self.position[0], [low.0.0, high.0.0]);
+        narrow(simd, &mut self.position[1], [low.0.1, high.0.1]);
+        narrow(simd, &mut self.position[2], [low.0.2, high.0.2]);
+        narrow(simd, &mut self.last, [low.1, high.1]);
         for axis in 0..3 {
             let row = &self.direction[axis];
-            narrowed(&mut self.course[axis], load(simd, row, 0), load(simd, row, WIDTH));
+            let both = [load(simd, row, 0), load(simd, row, WIDTH)];
+            narrow(simd, &mut self.course[axis], both);
+            let own = [self.own(simd, alone, axis, 0), self.own(simd, alone, axis, WIDTH)];
+            narrow(simd, &mut self.own[axis], own);
         }
-        for axis in 0..3 {
-            let local = |first: usize| {
-                let center = load(simd, &self.own_center[axis], first);
-                let local = center - load(simd, &self.offset[axis], first);
-                truth(simd, alone, first).select(local, f64x8::splat(simd, -1.0))
-            };
-            let (low, high) = (local(0), local(WIDTH));
-            narrowed(&mut self.own[axis], low, high);
-        }
-        narrowed(&mut self.last, low.1, high.1);
+    }
+
+    /// The centre, in the cell, of the grain that is not to be met, of the eight paths from `first` on.
+    #[inline(always)]
+    fn own<S: Simd>(&self, simd: S, alone: u32, axis: usize, first: usize) -> D<S> {
+        let center = load(simd, &self.own_center[axis], first);
+        let local = center - load(simd, &self.offset[axis], first);
+        truth(simd, alone, first).select(local, f64x8::splat(simd, -1.0))
     }
 
     #[inline(always)]
