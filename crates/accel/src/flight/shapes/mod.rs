@@ -7,6 +7,7 @@
 //! is convex), and the face on which a chord begins is not where it ends.
 
 mod air;
+mod axes;
 mod boarding;
 mod body;
 mod candidates;
