@@ -1,6 +1,6 @@
 //! Light among grains, many paths at a time.
 //!
-//! [`Flight`] keeps 64 paths in the air, in one of three ways: among packed spheres (`blocks`), in a
+//! [`Flight`] keeps up to 64 paths in the air, in one of three ways: among packed spheres (`blocks`), in a
 //! perfect lattice of spheres (`crystal`), or among packed grains of any shape (`shapes`). What the kernels cannot decide comes back as a
 //! [`FlightEvent`]: the path left the grid, met a surface, or seems trapped. The caller answers
 //! with [`Flight::launch`], [`Flight::bounce`] or [`Flight::retire`].
@@ -75,7 +75,7 @@ pub struct FirstGrain {
     pub normal: DVec3,
 }
 
-/// 64 paths among the grains of one grid. See the module's page.
+/// Up to 64 paths among the grains of one grid. See the module's page.
 #[derive(Debug)]
 pub struct Flight<'a> {
     grid: &'a GrainGrid,
@@ -200,7 +200,7 @@ impl<'a> Flight<'a> {
     }
 
     /// Tells that only the first `lanes` lanes hold paths, so that a few last paths do not cost as
-    /// much as 64.
+    /// much as all.
     pub fn use_lanes(&mut self, lanes: usize) {
         each!(&mut self.engine, flight => flight.use_lanes(lanes));
     }
