@@ -205,8 +205,8 @@ at the same error.
 - *Proxy* keeps the light of deep snow, and visits and ice within 1 % at all solid fractions. It saves nothing: exact light is followed \
 sixteen paths at once, the proxy one path after another, at two to three times the cost of a grain, and both take as many samples. It has no \
 grains to be seen, and its snow falls off over four radii at the edge: thin snow and a ball are blurred. It does not know lattices, which \
-let more light through. Snow of several kinds is calibrated by that of most grains alone. Crystals in the sun are 12 to 18 % too bright as the proxy from the first \
-grain, and right where they are it in depth. Plates that lie level hide light from above more than from the side, and \
+let more light through. Snow of several kinds is calibrated by that of most grains alone. Crystals in the sun are 11 to 13 % too bright as the proxy from the first \
+grain, those that lie exactly level 18 % too dark, and right where they are it in depth. Plates that lie level hide light from above more than from the side, and \
 mirror it up and down: ways through them are kept for each direction (64 classes of its height; where grains are not turned about the vertical alike, 32 by 32 \
 of its azimuth).
 - *Shells* save little while spheres are small: light is scattered forward, so that at 275 kg/m^3 one of 4 mean free paths stands for 3 \
