@@ -26,7 +26,7 @@ pub(super) use overlap::overlaps;
 use rayon::prelude::*;
 use snowgrain_geometry::Quantisation;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 use survey::Survey;
 
 /// Rounding of positions while light moves stays far below one quantum; a grain this close to a
@@ -99,6 +99,8 @@ pub(super) fn build(
             flags.extend(strata.iter().map(|stratum| AtomicU8::new(stratum << STRATUM_SHIFT)));
         }
     }
+    let mut reached = Vec::new();
+    reached.resize_with(words.len(), || AtomicU16::new(0));
     let wanted = survey.choose_side(&grains, packing, (margin, !words.is_empty()));
     let mut side = wanted;
     let mut crowded = None;
@@ -115,6 +117,7 @@ pub(super) fn build(
             flags: &flags,
             has_strata: strata.iter().any(|&stratum| stratum != 0),
             words,
+            reached: &reached,
             hulls,
             most_bytes: smaller
                 .then(|| MOST_BYTES_AT_LEAST.max(MOST_BYTES_PER_GRAIN * survey.grains as usize)),
@@ -150,6 +153,8 @@ struct Packer<'a> {
     has_strata: bool,
     /// Of each grain its shape, where it may have any.
     words: &'a [u64],
+    /// Of each such grain which of its faces other ice may reach.
+    reached: &'a [AtomicU16],
     hulls: &'a [Hull],
     /// Memory of the cells beyond which they are too many.
     most_bytes: Option<usize>,

@@ -86,7 +86,8 @@ impl GrainGrid {
         let (low, side) = (self.margin, self.side);
         let is_own = (0..3).all(|axis| (low..low + side[axis]).contains(&center[axis]));
         let radius = match &self.shapes {
-            Some(shapes) => ShapeWord::of_slot(shapes.blocks[index][slot]).radius(),
+            Some(_) if block.radius[slot] & RADIUS_MASK == 0 => 0.0,
+            Some(shapes) => shapes.placement(shapes.blocks[index][slot], block.radius[slot]).radius,
             None => f64::from(block.radius[slot] & RADIUS_MASK),
         };
         (is_own && radius > 0.0).then(|| (DVec3::from_array(center.map(f64::from)), radius))

@@ -1,22 +1,28 @@
-//! Whether two grains of any shape are apart, by a plane between them.
+//! Whether two grains of any shape are apart, by a plane between them, and which faces of one the other may reach.
 //!
 //! Planes along the faces of either and across the line of their centres are tried; of two bodies that only a plane
 //! along two edges parts it is not told. So what is told to be apart is, and what is not may be.
 
-use super::Placement;
-use snowgrain_geometry::Shape;
-use snowgrain_geometry::shape::ConvexBody;
+use super::{Placement, Reach, ReachedFaces, Slabs};
+use snowgrain_geometry::shape::{ConvexBody, Face};
+use snowgrain_geometry::{GrainShape, Shape};
 use snowgrain_math::{DMat3, DVec3};
 
 /// Quanta by which grains must be apart: more than rounding takes, and less than shows.
 const GAP: f64 = 1e-3;
 
+/// How far corners may be from the plane of their face by rounding, radii.
+const ON_FACE: f64 = 1e-7;
+
 /// The convex hull of a prototype, as far as it is asked.
 #[derive(Clone, Debug)]
 pub(super) struct Hull {
-    /// Outward unit normals of faces.
-    normals: Vec<DVec3>,
+    /// Outward unit normals of faces, and how far it reaches along each.
+    normals: Vec<(DVec3, f64)>,
     parts: Vec<Part>,
+    /// Of a body between parallel faces.
+    faces: Vec<FlatFace>,
+    size: Reach,
     /// Whether it is the ball of radius 1.
     is_ball: bool,
 }
@@ -24,9 +30,46 @@ pub(super) struct Hull {
 #[derive(Clone, Debug)]
 struct Part {
     /// Of a body with faces.
-    corners: Vec<DVec3>,
+    corners: Corners,
     /// Centre of the ellipsoid, and what makes it of the unit sphere, transposed.
     ellipsoid: Option<(DVec3, DMat3)>,
+}
+
+/// A face of a prototype.
+#[derive(Clone, Debug)]
+struct FlatFace {
+    /// Its number, as in [`Slabs`].
+    number: f64,
+    normal: DVec3,
+    distance: f64,
+    corners: Corners,
+}
+
+/// Corners by four, x, y and z of each; the last ones more than once.
+#[derive(Clone, Debug)]
+struct Corners(Vec<[[f64; 4]; 3]>);
+
+impl Corners {
+    fn new(corners: &[DVec3]) -> Self {
+        let four = |some: &[DVec3]| {
+            [0, 1, 2].map(|axis| std::array::from_fn(|i| some[i.min(some.len() - 1)][axis]))
+        };
+        Self(corners.chunks(4).map(four).collect())
+    }
+
+    /// How far they reach along a vector; `None` if there are none.
+    #[inline(always)]
+    fn reach(&self, along: DVec3) -> Option<f64> {
+        let greater = |a: f64, b: f64| if a > b { a } else { b };
+        let mut most = [f64::NEG_INFINITY; 4];
+        for [x, y, z] in &self.0 {
+            for i in 0..4 {
+                most[i] = greater(most[i], x[i] * along.x + y[i] * along.y + z[i] * along.z);
+            }
+        }
+        let [a, b, c, d] = most;
+        (!self.0.is_empty()).then(|| greater(greater(a, c), greater(b, d)))
+    }
 }
 
 /// A grain where it lies.
@@ -38,21 +81,29 @@ pub(super) struct Placed<'a> {
 
 impl Hull {
     pub(super) fn new(shape: &Shape) -> Self {
-        let faces = shape.parts().iter().flat_map(|part| &part.faces);
-        Self {
-            normals: faces.map(|face| face.normal).collect(),
+        let mut hull = Self {
+            normals: Vec::new(),
             parts: shape.parts().iter().map(Part::new).collect(),
+            faces: match shape.parts() {
+                [body] => FlatFace::all(body),
+                _ => Vec::new(),
+            },
+            size: Reach::of(shape),
             is_ball: match shape.parts() {
                 [ConvexBody { faces, ellipsoid: Some(e) }] => {
                     faces.is_empty() && e.center == DVec3::ZERO && e.to_unit == DMat3::IDENTITY
                 }
                 _ => false,
             },
-        }
+        };
+        let faces = shape.parts().iter().flat_map(|part| &part.faces);
+        hull.normals = faces.map(|face| (face.normal, hull.reach(face.normal))).collect();
+        hull
     }
 
-    pub(super) fn is_ball(&self) -> bool {
-        self.is_ball
+    /// A grain of this shape, in a sphere of this radius.
+    pub(super) fn placed(&self, shape: GrainShape, bounding: u16) -> Placed<'_> {
+        Placed { hull: self, placement: Placement::new(shape, self.size.radius(bounding)) }
     }
 
     /// How far it reaches along a unit vector, or somewhat more.
@@ -61,35 +112,87 @@ impl Hull {
     }
 }
 
+impl FlatFace {
+    fn all(body: &ConvexBody) -> Vec<Self> {
+        let Some(slabs) = Slabs::of(body) else { return Vec::new() };
+        let corners = body.corners();
+        let of = |(number, plane): (f64, usize)| {
+            let Face { normal, distance } = body.faces[plane];
+            let is_on = |corner: &DVec3| (corner.dot(normal) - distance).abs() < ON_FACE;
+            let corners: Vec<DVec3> = corners.iter().copied().filter(is_on).collect();
+            Self { number, normal, distance, corners: Corners::new(&corners) }
+        };
+        slabs.numbered().map(of).collect()
+    }
+
+    /// How far it reaches along a vector; without end, where its corners are not known.
+    fn reach(&self, along: DVec3) -> f64 {
+        self.corners.reach(along).unwrap_or(f64::INFINITY)
+    }
+}
+
 impl Part {
     fn new(body: &ConvexBody) -> Self {
         let ellipsoid =
             |e: &snowgrain_geometry::shape::Ellipsoid| (e.center, e.to_unit.inverse().transpose());
-        Self { corners: body.corners(), ellipsoid: body.ellipsoid.as_ref().map(ellipsoid) }
+        Self {
+            corners: Corners::new(&body.corners()),
+            ellipsoid: body.ellipsoid.as_ref().map(ellipsoid),
+        }
     }
 
     fn reach(&self, along: DVec3) -> f64 {
-        let round = self.ellipsoid.as_ref().map_or(f64::INFINITY, |(center, from_unit)| {
-            center.dot(along) + (*from_unit * along).length()
-        });
-        let corners = self.corners.iter().map(|corner| corner.dot(along));
-        match corners.fold(f64::NEG_INFINITY, f64::max) {
-            f64::NEG_INFINITY => round,
-            sharp => sharp.min(round),
+        let round = self
+            .ellipsoid
+            .as_ref()
+            .map(|(center, from_unit)| center.dot(along) + (*from_unit * along).length());
+        match (self.corners.reach(along), round) {
+            (Some(sharp), Some(round)) => sharp.min(round),
+            (Some(reach), None) | (None, Some(reach)) => reach,
+            (None, None) => f64::INFINITY,
         }
     }
 }
 
 impl Placed<'_> {
+    pub(super) fn is_ball(&self) -> bool {
+        self.hull.is_ball
+    }
+
     /// Whether a plane is known between this grain and the other, whose centre lies `between` (quanta) from its own.
     pub(super) fn is_apart_from(&self, other: &Self, between: DVec3) -> bool {
-        let is_between =
-            |along: DVec3| along.dot(between) - self.reach(along) - other.reach(-along) > GAP;
         let Some(along) = between.try_normalize() else { return false };
-        let own = self.hull.normals.iter().map(|&normal| self.placement.rotation * normal);
-        let others = other.hull.normals.iter().map(|&normal| -(other.placement.rotation * normal));
-        is_between(along)
-            || own.chain(others).any(|along| along.dot(between) > 0.0 && is_between(along))
+        let mut own = self.normals();
+        along.dot(between) - self.reach(along) - other.reach(-along) > GAP
+            || own.any(|(along, reach)| along.dot(between) - reach - other.reach(-along) > GAP)
+            || other
+                .normals()
+                .any(|(along, reach)| -along.dot(between) - reach - self.reach(-along) > GAP)
+    }
+
+    /// The faces that the other grain, whose centre lies `between` (quanta) from its own, may reach.
+    pub(super) fn faces_reached_by(&self, other: &Self, between: DVec3) -> ReachedFaces {
+        if self.hull.faces.is_empty() {
+            return ReachedFaces::ALL;
+        }
+        let radius = self.placement.radius;
+        let is_reached = |face: &&FlatFace| {
+            let outward = self.placement.rotation * face.normal;
+            let beyond = outward.dot(between) + other.reach(outward) - face.distance * radius;
+            beyond > -GAP
+                && !other.normals().any(|(along, reach)| {
+                    let back = face.reach(self.placement.turned_back(-along)) * radius;
+                    -along.dot(between) - reach - back > GAP
+                })
+        };
+        let reached = self.hull.faces.iter().filter(is_reached);
+        reached.fold(ReachedFaces::NOT_FLAT, |all, face| all.and(ReachedFaces::only(face.number)))
+    }
+
+    /// Normals of faces in the world, and how far the grain reaches along each, quanta.
+    fn normals(&self) -> impl Iterator<Item = (DVec3, f64)> {
+        let Placement { rotation, radius, .. } = self.placement;
+        self.hull.normals.iter().map(move |&(normal, reach)| (rotation * normal, reach * radius))
     }
 
     /// How far it reaches from its centre along a unit vector, quanta.
@@ -100,9 +203,9 @@ impl Placed<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Prototype, ShapeWord};
+    use super::super::Prototype;
     use super::*;
-    use snowgrain_geometry::{GrainShape, ShapeKind};
+    use snowgrain_geometry::ShapeKind;
     use snowgrain_math::sampler::{PathKey, numbers};
 
     fn vector(index: u64, event: u32) -> DVec3 {
@@ -124,8 +227,7 @@ mod tests {
             let placed = |index: u64, event: u32| {
                 let [q, w] = [vector(index, event), vector(index, event + 1)];
                 let turned = GrainShape::new(0, [q.x, q.y, q.z, w.x]);
-                let word = ShapeWord::of_slot(turned.to_bits() | 1000 << GrainShape::BITS);
-                Placed { hull: &hull, placement: Placement::of(word) }
+                Placed { hull: &hull, placement: Placement::new(turned, 1000.0) }
             };
             let (mut apart, mut free) = (0u32, 0u32);
             for index in 0..150 {

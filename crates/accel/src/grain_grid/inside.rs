@@ -1,7 +1,7 @@
 //! Whether a point lies in ice.
 
 use super::block::RADIUS_MASK;
-use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, Placement, ShapeWord, Storage};
+use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, Storage};
 use snowgrain_math::DVec3;
 
 impl GrainGrid {
@@ -44,7 +44,7 @@ impl GrainGrid {
             return false;
         }
         self.shapes.as_ref().is_none_or(|shapes| {
-            let placement = Placement::of(ShapeWord::of_slot(shapes.blocks[number][slot]));
+            let placement = shapes.placement(shapes.blocks[number][slot], block.radius[slot]);
             shapes.of(&placement).contains(placement.to_prototype(from_center))
         })
     }

@@ -21,6 +21,7 @@ mod lattice_cells;
 mod packed_cells;
 mod packing;
 mod parts;
+mod reached_faces;
 mod shapes;
 mod sites;
 mod sizes;
@@ -39,8 +40,11 @@ pub use packed_cells::PackedCells;
 pub(crate) use packed_cells::within_brick;
 pub use packing::Packing;
 pub use parts::{GrainParts, PartReader};
+pub(crate) use reached_faces::ReachedFaces;
 pub use shapes::ShapedGrains;
-pub(crate) use shapes::{BlockShapes, GridShapes, Part, Placement, Planes, Prototype, ShapeWord};
+pub(crate) use shapes::{
+    BlockShapes, GridShapes, Part, Placement, Planes, Prototype, Reach, SLACK, ShapeWord,
+};
 pub(crate) use sites::{LatticeSites, SiteKind};
 pub use sizes::SizesPerVolume;
 pub(crate) use slabs::{AXES, COS_30, ROUND, Slabs};

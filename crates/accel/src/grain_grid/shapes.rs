@@ -1,7 +1,9 @@
 //! Shapes of grains, as the kernels want them.
 //!
-//! Blocks hold bounding spheres; beside each block lies a word a slot with prototype, orientation and size.
+//! Blocks hold bounding spheres, which tell the sizes of grains; beside each block lies a word a slot with prototype,
+//! orientation, and the faces that other ice may reach.
 
+use super::reached_faces::ReachedFaces;
 use super::slabs::Slabs;
 use super::{GRAINS_PER_BLOCK, GridError, RADIUS_MASK};
 use snowgrain_geometry::shape::{ConvexBody, Ellipsoid, Face};
@@ -22,15 +24,17 @@ pub(crate) type BlockShapes = [u64; GRAINS_PER_BLOCK];
 
 /// Quanta by which a bounding sphere is larger than the body: rounding up, and the tests of bounding spheres,
 /// which are in single precision, take less; two grains whose spheres only touch do not overlap.
-pub(super) const SLACK: u16 = 2;
+pub(crate) const SLACK: u16 = 2;
 
-/// A [`GrainShape`] and, above it, the radius in quanta.
+/// A [`GrainShape`] and, above it, the [`ReachedFaces`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ShapeWord(u64);
 
+const _: () = assert!(GrainShape::BITS + ReachedFaces::BITS <= u64::BITS);
+
 impl ShapeWord {
-    fn new(shape: GrainShape, radius: u16) -> Self {
-        Self(shape.to_bits() | u64::from(radius) << GrainShape::BITS)
+    pub(super) fn new(shape: GrainShape, reached: ReachedFaces) -> Self {
+        Self(shape.to_bits() | u64::from(reached.to_bits()) << GrainShape::BITS)
     }
 
     #[inline(always)]
@@ -38,15 +42,53 @@ impl ShapeWord {
         Self(word)
     }
 
-    /// Radius of the sphere of equal volume, quanta.
-    #[inline(always)]
-    pub(crate) fn radius(self) -> f64 {
-        f64::from((self.0 >> GrainShape::BITS) as u32)
+    pub(super) fn to_slot(self) -> u64 {
+        self.0
     }
 
     #[inline(always)]
     pub(crate) fn shape(self) -> GrainShape {
         GrainShape::from_low_bits(self.0)
+    }
+
+    #[inline(always)]
+    pub(crate) fn reached(self) -> ReachedFaces {
+        ReachedFaces::from_bits((self.0 >> GrainShape::BITS) as u16)
+    }
+}
+
+/// How far the grains of a prototype reach, in radii. Of these spheres are made that hold the grains, and the spheres are what
+/// is kept: they tell the radii.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    radii: f64,
+    pub(crate) inverse: f64,
+}
+
+impl Reach {
+    /// More than rounding takes of a radius, and less than what makes it another whole number.
+    pub(crate) const ROUNDING: f64 = 1e-6;
+
+    pub(super) fn of(shape: &Shape) -> Self {
+        // No body reaches less far than the sphere of its volume. One that reaches as far, but for rounding, is it; what
+        // reaches farther does so by enough that two radii differ by more than rounding.
+        let radii = match shape.bounding_radius() {
+            ball if ball < 1.0 + 1e-9 => 1.0,
+            radii => radii.max(1.001),
+        };
+        Self { radii, inverse: 1.0 / radii }
+    }
+
+    /// Radius of the sphere around a grain, quanta.
+    fn bounding(self, radius: u16) -> f64 {
+        (f64::from(radius) * self.radii).ceil() + f64::from(SLACK)
+    }
+
+    /// Radius of the grain in such a sphere, of which flags are told too: of the sphere of its volume, quanta.
+    #[inline(always)]
+    pub(crate) fn radius(self, bounding: u16) -> f64 {
+        let reach = f64::from(bounding & RADIUS_MASK) - f64::from(SLACK);
+        (reach * self.inverse + Self::ROUNDING).floor()
     }
 }
 
@@ -65,12 +107,21 @@ impl GridShapes {
     pub(crate) fn of(&self, placement: &Placement) -> &Prototype {
         &self.prototypes[placement.prototype]
     }
+
+    /// How a grain is placed, by its word and the radius of its sphere, of which flags are told too.
+    #[inline(always)]
+    pub(crate) fn placement(&self, word: u64, bounding: u16) -> Placement {
+        let shape = ShapeWord::of_slot(word).shape();
+        let radius = self.prototypes[shape.prototype()].reach.radius(bounding);
+        Placement::new(shape, radius)
+    }
 }
 
 /// A prototype as the kernels want it.
 #[derive(Clone, Debug)]
 pub(crate) struct Prototype {
     pub(crate) parts: Vec<Part>,
+    pub(crate) reach: Reach,
     /// Of one body between parallel faces.
     pub(crate) slabs: Option<Slabs>,
 }
@@ -98,7 +149,11 @@ impl Prototype {
             [body] => Slabs::of(body),
             _ => None,
         };
-        Self { parts: shape.parts().iter().map(Part::new).collect(), slabs }
+        Self {
+            parts: shape.parts().iter().map(Part::new).collect(),
+            reach: Reach::of(shape),
+            slabs,
+        }
     }
 
     pub(crate) fn contains(&self, point: DVec3) -> bool {
@@ -145,18 +200,18 @@ pub(super) fn bounding(
     shapes: ShapedGrains<'_>,
 ) -> Result<(Vec<QuantisedGrain>, Vec<u64>), GridError> {
     assert_eq!(grains.len(), shapes.of_grains.len(), "a shape for each grain");
-    let reaches: Vec<f64> = shapes.prototypes.iter().map(Shape::bounding_radius).collect();
+    let reaches: Vec<Reach> = shapes.prototypes.iter().map(Reach::of).collect();
     let mut spheres = Vec::with_capacity(grains.len());
     let mut words = Vec::with_capacity(grains.len());
     for (grain, &shape) in grains.iter().zip(shapes.of_grains) {
-        let reach = (f64::from(grain.radius) * reaches[shape.prototype()]).ceil();
-        if reach > f64::from(RADIUS_MASK - SLACK) {
+        let bounding = reaches[shape.prototype()].bounding(grain.radius);
+        if bounding > f64::from(RADIUS_MASK) {
             return Err(GridError::LongShape {
                 shape: shapes.prototypes[shape.prototype()].name().into(),
             });
         }
-        spheres.push(QuantisedGrain { radius: reach as u16 + SLACK, ..*grain });
-        words.push(ShapeWord::new(shape, grain.radius).0);
+        spheres.push(QuantisedGrain { radius: bounding as u16, ..*grain });
+        words.push(ShapeWord::new(shape, ReachedFaces::NONE).0);
     }
     Ok((spheres, words))
 }
@@ -177,10 +232,10 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
+    /// Of a grain of this radius, quanta.
     #[inline(always)]
-    pub(crate) fn of(word: ShapeWord) -> Self {
-        let shape = word.shape();
-        Self { rotation: shape.rotation(), radius: word.radius(), prototype: shape.prototype() }
+    pub(crate) fn new(shape: GrainShape, radius: f64) -> Self {
+        Self { rotation: shape.rotation(), radius, prototype: shape.prototype() }
     }
 
     /// A vector from the grain's centre, quanta, in the prototype's space.
@@ -194,5 +249,37 @@ impl Placement {
     pub(crate) fn turned_back(self, direction: DVec3) -> DVec3 {
         let r = &self.rotation;
         DVec3::new(r.x_axis.dot(direction), r.y_axis.dot(direction), r.z_axis.dot(direction))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::OVERLAPS;
+    use super::*;
+    use snowgrain_geometry::ShapeKind;
+
+    #[test]
+    fn spheres_around_grains_tell_their_radii() {
+        for kind in [
+            ShapeKind::Spheroid { aspect: 1.0 },
+            ShapeKind::Spheroid { aspect: 1.0 + 1e-7 },
+            ShapeKind::Spheroid { aspect: 1.01 },
+            ShapeKind::Cube { rounding: 1.0 },
+            ShapeKind::HexagonalPrism { aspect: 0.1, rounding: 0.0 },
+            ShapeKind::HexagonalPrism { aspect: 5.0, rounding: 0.3 },
+            ShapeKind::Rosette { arms: 3, aspect: 1.5, rounding: 0.0 },
+        ] {
+            let shape = Shape::new(kind).expect("the shape is legal");
+            let reach = Reach::of(&shape);
+            assert!(reach.radii >= shape.bounding_radius() * (1.0 - 1e-9));
+            let fits = |radius: &u16| reach.bounding(*radius) <= f64::from(RADIUS_MASK);
+            let mut seen = 0;
+            for radius in (1..=RADIUS_MASK).take_while(fits) {
+                let told = reach.radius(reach.bounding(radius) as u16 | OVERLAPS);
+                assert_eq!(told, f64::from(radius), "{kind:?}");
+                seen += 1;
+            }
+            assert!(seen > 3000, "{kind:?}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! How many grains there are in a volume of snow, and how large.
 
 use super::packed_cells::CELLS_PER_BRICK;
-use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, RADIUS_MASK, ShapeWord, Storage};
+use super::{CellEntry, GRAINS_PER_BLOCK, GrainGrid, RADIUS_MASK, Storage};
 
 /// Sums over the grains in a volume; of shapes the radii of the spheres of equal volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,8 +80,9 @@ impl Sums<'_> {
             }
             let (prototype, radius) = match &grid.shapes {
                 Some(shapes) => {
-                    let word = ShapeWord::of_slot(shapes.blocks[index][slot]);
-                    (word.shape().prototype(), word.radius())
+                    let word = shapes.blocks[index][slot];
+                    let placement = shapes.placement(word, block.radius[slot]);
+                    (placement.prototype, placement.radius)
                 }
                 None => (0, f64::from(block.radius[slot] & RADIUS_MASK)),
             };

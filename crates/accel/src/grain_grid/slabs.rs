@@ -67,6 +67,16 @@ impl Slabs {
         Some(slabs)
     }
 
+    /// The numbers of the faces, and the plane of each.
+    pub(crate) fn numbered(&self) -> impl Iterator<Item = (f64, usize)> {
+        let exists = |&axis: &usize| self.half[axis] < f64::INFINITY;
+        (0..AXES).filter(exists).flat_map(|axis| {
+            let number = (axis + 1) as f64;
+            let [upper, lower] = self.faces[axis].map(usize::from);
+            [(number, upper), (-number, lower)]
+        })
+    }
+
     /// The plane of a face by its number.
     pub(crate) fn face(&self, number: f64) -> u16 {
         let axis = (number.abs() as usize).saturating_sub(1).min(AXES - 1);

@@ -5,8 +5,9 @@ use super::block::{MEETS_SURFACE, OVERLAPS, RADIUS_MASK};
 use super::build::{overlaps, reaches_cell};
 use super::hull::{Hull, Placed};
 use super::{Block, GRAINS_PER_BLOCK, GrainGrid, GrainParts, Packing};
-use super::{Placement, ShapeWord, ShapedGrains};
+use super::{Placement, Prototype, ShapeWord, ShapedGrains};
 use crate::Surfaces;
+use snowgrain_geometry::shape::Face;
 use snowgrain_geometry::{GrainShape, Quantisation, QuantisedGrain, Shape, ShapeKind};
 use snowgrain_math::DVec3;
 use snowgrain_math::sampler::{PathKey, numbers};
@@ -115,8 +116,7 @@ fn flags_of_shaped_grains_tell_which_others_no_plane_parts_them_from() {
     let placed = |index: usize| {
         let (shape, radius) = (shapes[index], f64::from(grains[index].radius));
         let prototype = shape.prototype();
-        let placement = Placement { rotation: shape.rotation(), radius, prototype };
-        Placed { hull: &hulls[prototype], placement }
+        Placed { hull: &hulls[prototype], placement: Placement::new(shape, radius) }
     };
     let center = |index: usize| DVec3::from_array(grains[index].center.map(f64::from));
     let overlaps =
@@ -128,9 +128,9 @@ fn flags_of_shaped_grains_tell_which_others_no_plane_parts_them_from() {
     for (block, words) in grid.blocks().iter().zip(words) {
         for slot in (0..GRAINS_PER_BLOCK).filter(|&slot| block.radius[slot] & RADIUS_MASK > 0) {
             let word = ShapeWord::of_slot(words[slot]);
-            let is_this = |i: &usize| {
-                shapes[*i] == word.shape() && f64::from(grains[*i].radius) == word.radius()
-            };
+            let radius = grid.shapes().unwrap().placement(words[slot], block.radius[slot]).radius;
+            let is_this =
+                |i: &usize| shapes[*i] == word.shape() && f64::from(grains[*i].radius) == radius;
             let index = (0..grains.len()).find(is_this).unwrap();
             assert_eq!(block.radius[slot] & OVERLAPS != 0, wanted[index], "grain {index}");
             seen += 1;
@@ -138,6 +138,57 @@ fn flags_of_shaped_grains_tell_which_others_no_plane_parts_them_from() {
     }
     let overlapping = wanted.iter().filter(|&&overlaps| overlaps).count();
     assert!(seen >= 300 && (60..240).contains(&overlapping), "{seen} {overlapping}");
+}
+
+/// Where a point of a face lies in another grain, the face is one that other ice reaches; most that no such point is found
+/// on are not.
+#[test]
+fn faces_that_other_grains_hold_points_of_are_reached() {
+    let kinds = [
+        ShapeKind::HexagonalPrism { aspect: 0.2, rounding: 0.0 },
+        ShapeKind::HexagonalPrism { aspect: 2.0, rounding: 0.3 },
+        ShapeKind::Cube { rounding: 0.0 },
+        ShapeKind::RandomPolyhedron { faces: 9, seed: 2, rounding: 0.0 },
+        ShapeKind::Spheroid { aspect: 2.0 },
+    ];
+    let prototypes = kinds.map(|kind| Shape::new(kind).unwrap());
+    let hulls = prototypes.each_ref().map(Hull::new);
+    let kernel = prototypes.each_ref().map(Prototype::new);
+    let vector = |index: u64, event: u32| {
+        DVec3::from_array(numbers(PathKey::new(5, index, 0), event).map(f64::from)) - 0.5
+    };
+    let placed = |index: u64, event: u32| {
+        let [q, w] = [vector(index, event), vector(index, event + 1)];
+        let shape = GrainShape::new(index as usize % kinds.len(), [q.x, q.y, q.z, w.x]);
+        Placement::new(shape, 1000.0)
+    };
+    let (mut held, mut free, mut told_free) = (0, 0, 0);
+    for index in 0..1500 {
+        let (a, b) = (placed(index, 0), placed(index / 5, 2));
+        let between = vector(index, 4).normalize() * (300.0 + index as f64);
+        let Some(slabs) = &kernel[a.prototype].slabs else { continue };
+        let reached = Placed { hull: &hulls[a.prototype], placement: a }
+            .faces_reached_by(&Placed { hull: &hulls[b.prototype], placement: b }, between);
+        let faces = &prototypes[a.prototype].parts()[0].faces;
+        for (number, plane) in slabs.numbered() {
+            let is_held = (0..300).any(|i| {
+                let along = vector(i, 5).normalize();
+                let far = |face: &Face| match face.normal.dot(along) {
+                    slope if slope > 0.0 => face.distance / slope,
+                    _ => f64::INFINITY,
+                };
+                let point = along * far(&faces[plane]);
+                let is_on = faces.iter().all(|face| far(face) >= far(&faces[plane]));
+                let to_b = a.rotation * point * 1000.0 - between;
+                is_on && kernel[b.prototype].contains(b.to_prototype(to_b))
+            });
+            assert!(!is_held || reached.has(number), "{index} {number}");
+            held += u32::from(is_held);
+            free += u32::from(!is_held);
+            told_free += u32::from(!reached.has(number));
+        }
+    }
+    assert!(held > 500 && 10 * told_free > 7 * free, "{held} {free} {told_free}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::near::{self, Window, near};
 use super::visits::Departure;
 use super::{GROUP, SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent};
-use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord};
+use crate::grain_grid::{CellEntry, MEETS_SURFACE, OVERLAPS, Prototype, ShapeWord};
 use fearless_simd::prelude::*;
 use snowgrain_math::DVec3;
 
@@ -132,11 +132,13 @@ impl ShapeFlight<'_> {
         mut nearest: Option<Entry>,
     ) -> Option<Entry> {
         let word = self.shapes.blocks[block][slot];
-        let placement = Placement::of(ShapeWord::of_slot(word));
+        let bounding = self.grid.blocks()[block].radius[slot];
+        let placement = self.shapes.placement(word, bounding);
+        let radius = placement.radius;
         let center = self.center(lane, block, slot);
         let ray = lane.ray_to(center, &placement);
         for (at, part) in self.shapes.of(&placement).parts.iter().enumerate() {
-            let body = BodyPart { center, word, part: at as u16 };
+            let body = BodyPart { center, radius, word, part: at as u16 };
             if lane.leaving == Some(body) {
                 continue;
             }
@@ -155,9 +157,9 @@ impl ShapeFlight<'_> {
     /// The ice that a path meets where it enters a grain.
     #[inline(always)]
     pub(super) fn entered(&self, lane: &Lane, entry: &Entry) -> Inside {
-        let placement = Placement::of(ShapeWord::of_slot(entry.body.word));
+        let placement = entry.body.placement();
         let ray = lane.ray_to(entry.body.center, &placement);
-        let Prototype { parts, slabs } = self.shapes.of(&placement);
+        let Prototype { parts, slabs, .. } = self.shapes.of(&placement);
         let through = match (slabs, entry.face) {
             (Some(slabs), Some(face)) => part_of(slabs, face),
             _ => entered(&parts[usize::from(entry.body.part)], &ray, entry.at_radii),
@@ -298,7 +300,7 @@ impl ShapeFlight<'_> {
         let body = grains.body(at);
         lane.inside = Inside {
             body,
-            placement: Placement::of(ShapeWord::of_slot(body.word)),
+            placement: body.placement(),
             leave: lane.travelled,
             through: NOWHERE,
             meets_surface: false,
@@ -327,14 +329,15 @@ impl ShapeFlight<'_> {
     #[inline(always)]
     fn begin_visit<S: Simd>(&mut self, simd: S, index: usize, entry: &Entry) -> bool {
         let lane = &mut self.lanes[index];
-        let Inside { meets_surface, overlaps, .. } = &lane.inside;
+        let Inside { meets_surface, .. } = &lane.inside;
         // Of a path that begins within the grain the place is not on the face.
         if entry.face.is_none() || *meets_surface || entry.at < lane.travelled {
             return false;
         }
         lane.phase = Phase::Visit;
+        let reached = ShapeWord::of_slot(entry.body.word).reached();
         let grains = &mut self.in_grains[index / GROUP];
-        grains.begin(index % GROUP, lane.key, lane.event, *overlaps);
+        grains.begin(index % GROUP, lane.key, lane.event, reached);
         grains.arrive(simd, 1 << (index % GROUP));
         true
     }

@@ -1,6 +1,7 @@
 //! Axes and radii of eight grains, from the words in which they are kept.
 
 use super::slabs::{D, Truth, Vectors};
+use crate::grain_grid::{Reach, SLACK};
 use fearless_simd::prelude::*;
 use fearless_simd::u64x8;
 use snowgrain_geometry::GrainShape;
@@ -14,10 +15,11 @@ fn numbers<S: Simd>(simd: S, words: u64x8<S>, less: f64) -> D<S> {
     bits - D::<S>::splat(simd, EVEN + less)
 }
 
-/// Radii of grains, quanta.
+/// Radii of grains, quanta, of those of their spheres and the inverse of how far they reach, as [`Reach::radius`] tells one.
 #[inline(always)]
-pub(super) fn radii<S: Simd>(simd: S, words: u64x8<S>) -> D<S> {
-    numbers(simd, words >> GrainShape::BITS, 0.0)
+pub(super) fn radii<S: Simd>(simd: S, bounding: D<S>, inverse_reach: D<S>) -> D<S> {
+    let splat = |x: f64| D::<S>::splat(simd, x);
+    ((bounding - splat(SLACK.into())) * inverse_reach + splat(Reach::ROUNDING)).floor()
 }
 
 /// A component of rotations, of those that are kept.

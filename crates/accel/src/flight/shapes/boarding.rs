@@ -13,9 +13,10 @@ impl Stretches {
     pub(super) fn board(&mut self, at: usize, lane: &Lane, kinds: Kinds<'_>) {
         self.take_place(at, lane);
         self.nearest[at] = lane.nearest.map_or(f64::INFINITY, |nearest| nearest.at);
-        let leaving = lane.leaving.unwrap_or(BodyPart { center: DVec3::ZERO, word: 0, part: 0 });
+        let leaving = lane.leaving.unwrap_or(BodyPart::NONE);
         set_vector(&mut self.own_center, at, leaving.center);
         (self.own_word[at], self.own_part[at]) = (leaving.word, leaving.part);
+        self.own_radius[at] = leaving.radius;
         let is_alone = leaving.word != 0 && kinds.has_slabs(leaving.word);
         self.alone &= !(1 << at);
         self.alone |= u32::from(is_alone) << at;
@@ -48,8 +49,8 @@ impl Stretches {
             Entry { at: self.nearest[at], at_radii: met.enter(at), body, block, slot, face }
         });
         let (word, part) = (self.own_word[at], self.own_part[at]);
-        let center = vector(&self.own_center, at);
-        lane.leaving = (word != 0).then_some(BodyPart { center, word, part });
+        let (center, radius) = (vector(&self.own_center, at), self.own_radius[at]);
+        lane.leaving = (word != 0).then_some(BodyPart { center, radius, word, part });
     }
 
     /// Tells a path where it is.
@@ -102,5 +103,6 @@ impl Stretches {
         self.moved |= 1 << at;
         set_vector(&mut self.own_center, at, into.center);
         (self.own_word[at], self.own_part[at]) = (into.word, into.part);
+        self.own_radius[at] = into.radius;
     }
 }

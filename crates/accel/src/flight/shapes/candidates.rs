@@ -9,13 +9,12 @@ use super::stretches::{Stretches, next, vector};
 use super::visits::{Met, Visits};
 use super::{BodyPart, GROUP, ShapeFlight};
 use crate::grain_grid::{
-    AXES, BlockShapes, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, OVERLAPS, Prototype,
-    ROUND, ShapeWord, Slabs,
+    AXES, Block, BlockShapes, CellEntry, GRAINS_PER_BLOCK, GridShapes, MEETS_SURFACE, Prototype,
+    RADIUS_MASK, ROUND, ShapeWord, Slabs,
 };
 use crate::prefetch::prefetch;
 use fearless_simd::prelude::*;
-use fearless_simd::{mask32x16, u32x16, u64x8};
-use snowgrain_geometry::GrainShape;
+use fearless_simd::u64x8;
 use snowgrain_math::DVec3;
 
 /// What the prototypes of a grid are, as far as the vectors ask.
@@ -23,7 +22,7 @@ use snowgrain_math::DVec3;
 pub(super) struct Kinds<'a> {
     prototypes: &'a [Prototype],
     /// The only one, if it lies between parallel faces.
-    only: Option<&'a Slabs>,
+    only: Option<&'a Prototype>,
     all_have_slabs: bool,
     /// Whether any has faces along x, and whether any is round.
     has_x: bool,
@@ -37,7 +36,7 @@ impl<'a> Kinds<'a> {
         Self {
             prototypes,
             only: match prototypes {
-                [only] => only.slabs.as_ref(),
+                [only] if only.slabs.is_some() => Some(only),
                 _ => None,
             },
             all_have_slabs: slabs().count() == prototypes.len(),
@@ -46,10 +45,15 @@ impl<'a> Kinds<'a> {
         }
     }
 
+    #[inline(always)]
+    fn prototype(&self, word: u64) -> &'a Prototype {
+        &self.prototypes[ShapeWord::of_slot(word).shape().prototype()]
+    }
+
     /// The parallel faces of a grain.
     #[inline(always)]
     fn slabs(&self, word: u64) -> Option<&'a Slabs> {
-        self.prototypes[ShapeWord::of_slot(word).shape().prototype()].slabs.as_ref()
+        self.prototype(word).slabs.as_ref()
     }
 
     /// The same, but `None` where all grains have the same.
@@ -73,7 +77,7 @@ impl<'a> Kinds<'a> {
         first: usize,
     ) -> Bodies<S> {
         let flags = (self.has_x, self.has_round);
-        match self.only {
+        match self.only.and_then(|only| only.slabs.as_ref()) {
             Some(slabs) => Bodies::alike(simd, slabs, flags),
             None => Bodies::load(simd, rows, first, flags),
         }
@@ -99,13 +103,31 @@ struct Cover {
     met: Met,
 }
 
-/// Room for the candidates of a group: grains that its paths may meet, or that may cover the ends of their chords.
+/// The candidates of a group: grains that its paths may meet, or that may cover the ends of their chords.
 #[derive(Debug)]
-pub(super) struct Scratch {
+pub(super) struct Candidates {
     asked: [Asked; MOST_ASKED],
     /// Of each candidate which block was asked, and its slot there in the last four bits.
     candidates: [u32; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
     count: usize,
+    /// Paths that grains of other shapes cover.
+    covered: u32,
+}
+
+impl Default for Candidates {
+    fn default() -> Self {
+        Self {
+            asked: [Asked::default(); MOST_ASKED],
+            candidates: [0; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
+            count: 0,
+            covered: 0,
+        }
+    }
+}
+
+/// Room for what is told of candidates.
+#[derive(Debug)]
+pub(super) struct Scratch {
     covers: Vec<Cover>,
     eights: Vec<Eight>,
     told: Told,
@@ -113,50 +135,42 @@ pub(super) struct Scratch {
 
 impl Default for Scratch {
     fn default() -> Self {
-        Self {
-            asked: [Asked::default(); MOST_ASKED],
-            candidates: [0; (MOST_ASKED + 1) * GRAINS_PER_BLOCK],
-            count: 0,
-            covers: Vec::new(),
-            eights: Vec::new(),
-            told: Told::NOTHING,
-        }
+        Self { covers: Vec::new(), eights: Vec::new(), told: Told::NOTHING }
     }
 }
 
 /// Candidates as they are listed.
 struct List<'a> {
-    scratch: &'a mut Scratch,
+    of_group: &'a mut Candidates,
     blocks: usize,
     found: usize,
 }
 
 impl List<'_> {
-    /// Adds those of the slots of a block, asked by a path, that are near, and asks for their shapes.
+    /// Adds the `near` slots of a block, asked by a path, and asks for their shapes.
     #[inline(always)]
-    fn add<S: Simd>(
-        &mut self,
-        simd: S,
-        (at, number): (usize, usize),
-        near: mask32x16<S>,
-        words: &BlockShapes,
-    ) {
-        let Scratch { asked, candidates, .. } = &mut *self.scratch;
-        // Without a branch that would wait for the answer.
-        let slots = u32x16::from_slice(simd, &SLOTS) | (self.blocks << 4) as u32;
-        let slots = simd.compress_u32x16(slots, near);
-        slots.store_slice(&mut candidates[self.found..self.found + GRAINS_PER_BLOCK]);
+    fn add(&mut self, (at, number): (usize, usize), mut near: u32, shapes: &BlockShapes) {
+        let Candidates { asked, candidates, .. } = &mut *self.of_group;
+        let tag = (self.blocks << 4) as u32;
+        // Of most blocks two grains at most are near: those are written without a branch that would wait for the answer.
+        for _ in 0..2 {
+            let slot = near.trailing_zeros() as usize % GRAINS_PER_BLOCK;
+            candidates[self.found] = tag | slot as u32;
+            prefetch(&shapes[slot]);
+            self.found += usize::from(near != 0);
+            near &= near.wrapping_sub(1);
+        }
+        while near != 0 {
+            let slot = near.trailing_zeros() as usize % GRAINS_PER_BLOCK;
+            candidates[self.found] = tag | slot as u32;
+            prefetch(&shapes[slot]);
+            self.found += 1;
+            near &= near - 1;
+        }
         asked[self.blocks] = Asked { at: at as u32, block: number as u32 };
-        let near = near.to_bitmask() as u32;
-        self.found += near.count_ones() as usize;
         self.blocks += 1;
-        // Of most blocks few grains are near, or none.
-        prefetch(&words[near.trailing_zeros() as usize % GRAINS_PER_BLOCK]);
-        prefetch(&words[(31 - (near | 1).leading_zeros()) as usize % GRAINS_PER_BLOCK]);
     }
 }
-
-const SLOTS: [u32; GRAINS_PER_BLOCK] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Eight candidates as the vectors want them.
 #[derive(Clone, Copy, Debug)]
@@ -168,8 +182,12 @@ struct Eight {
     origin: [[f64; WIDTH]; 3],
     direction: [[f64; WIDTH]; 3],
     word: [u64; WIDTH],
+    /// Radii of bounding spheres.
+    bounding: [f64; WIDTH],
     half: [[f64; WIDTH]; AXES],
     shrink: [[f64; WIDTH]; 2],
+    /// How many radii there are to the radius of a bounding sphere.
+    inverse_reach: [f64; WIDTH],
 }
 
 /// What is told of eight candidates.
@@ -195,13 +213,23 @@ impl Eight {
         places: [(0, 0, 0); WIDTH],
         origin: [[0.0; WIDTH]; 3],
         direction: [[0.0; WIDTH]; 3],
-        word: [1 << GrainShape::BITS; WIDTH],
+        word: [0; WIDTH],
+        bounding: [5.0; WIDTH],
         half: [[1.0; WIDTH]; AXES],
         shrink: [[0.0; WIDTH]; 2],
+        inverse_reach: [1.0; WIDTH],
     };
 
     #[inline(always)]
-    fn set(&mut self, i: usize, (stretches, at): (&Stretches, usize), center: [u16; 3], word: u64) {
+    fn set(
+        &mut self,
+        i: usize,
+        (stretches, at): (&Stretches, usize),
+        (block, slot): (&Block, usize),
+        word: u64,
+    ) {
+        self.bounding[i] = f64::from(block.radius[slot] & RADIUS_MASK);
+        let center = [block.x[slot], block.y[slot], block.z[slot]];
         for axis in 0..3 {
             let center = f64::from(center[axis]) + stretches.offset[axis][at];
             self.origin[axis][i] = stretches.origin[axis][at] - center;
@@ -211,7 +239,9 @@ impl Eight {
     }
 
     #[inline(always)]
-    fn set_faces(&mut self, i: usize, slabs: &Slabs) {
+    fn set_faces(&mut self, i: usize, Prototype { reach, slabs, .. }: &Prototype) {
+        self.inverse_reach[i] = reach.inverse;
+        let Some(slabs) = slabs else { return };
         for (row, half) in self.half.iter_mut().zip(slabs.half) {
             row[i] = half;
         }
@@ -222,7 +252,13 @@ impl Eight {
     #[inline(always)]
     fn ask<S: Simd>(&self, simd: S, kinds: Kinds<'_>, told: &mut Told) {
         let words = u64x8::from_slice(simd, &self.word);
-        let (axes, radius) = (axes(simd, words), radii(simd, words));
+        let axes = axes(simd, words);
+        let inverse_reach = match kinds.only {
+            Some(only) => D::<S>::splat(simd, only.reach.inverse),
+            None => D::<S>::from_slice(simd, &self.inverse_reach),
+        };
+        let bounding = D::<S>::from_slice(simd, &self.bounding);
+        let radius = radii(simd, bounding, inverse_reach);
         let load = |rows: &[[f64; WIDTH]; 3]| Vectors::<S>::load(simd, rows, 0);
         let inverse = D::<S>::splat(simd, 1.0) / radius;
         let origin = turned_back(axes, load(&self.origin)).scaled(inverse);
@@ -266,7 +302,6 @@ impl Told {
             body,
             block,
             slot,
-            radius: self.radius[i],
             axes: self.axes.each_ref().map(of),
             origin: of(&self.origin),
             direction: of(&self.direction),
@@ -278,13 +313,14 @@ impl Told {
 
 impl ShapeFlight<'_> {
     /// Notes the grains that the paths of a group may meet before they leave their cells, or that may cover the ends of
-    /// their chords, and looks at once at those of other shapes: at which of these paths are covered.
+    /// their chords, and looks at once at those of other shapes.
     #[inline(always)]
-    pub(super) fn gather<S: Simd>(&mut self, simd: S, first: usize) -> u32 {
+    pub(super) fn gather<S: Simd>(&mut self, simd: S, first: usize) {
         let stretches = &self.stretches[first / GROUP];
         let shapes = self.shapes.blocks.as_slice();
         let get = |rows: &[[f32; GROUP]; 3], at: usize| [rows[0][at], rows[1][at], rows[2][at]];
-        let mut list = List { scratch: &mut self.scratch, blocks: 0, found: 0 };
+        let of_group = &mut self.candidates[first / GROUP];
+        let mut list = List { of_group, blocks: 0, found: 0 };
         let mut lanes = stretches.air;
         while let Some(at) = next(&mut lanes) {
             let ray = (get(&stretches.position, at), get(&stretches.course, at));
@@ -293,7 +329,7 @@ impl ShapeFlight<'_> {
             for number in CellEntry(stretches.entry[at]).blocks() {
                 let block = &self.grid.blocks()[number];
                 let near = near(simd, block, ray, window, but);
-                list.add(simd, (at, number), near, &shapes[number]);
+                list.add((at, number), near.to_bitmask() as u32, &shapes[number]);
             }
         }
         let mut lanes = stretches.asking;
@@ -302,21 +338,20 @@ impl ShapeFlight<'_> {
             for number in CellEntry(stretches.entry[at]).blocks() {
                 let block = &self.grid.blocks()[number];
                 let around = around(simd, block, position, but);
-                list.add(simd, (at, number), around, &shapes[number]);
+                list.add((at, number), around.to_bitmask() as u32, &shapes[number]);
             }
         }
-        list.scratch.count = list.found;
-        if self.kinds.all_have_slabs && !self.shapes.concentric {
-            return 0;
+        (list.of_group.count, list.of_group.covered) = (list.found, 0);
+        if !self.kinds.all_have_slabs || self.shapes.concentric {
+            let others = self.sort_out(first);
+            self.candidates[first / GROUP].covered = self.look_at_others(simd, first, others);
         }
-        let others = self.sort_out(first);
-        self.look_at_others(simd, first, others)
     }
 
     /// Takes the grains of other shapes, and those that paths stand on, out of the candidates; the paths that may meet the
     /// former.
     fn sort_out(&mut self, first: usize) -> u32 {
-        let Scratch { asked, candidates, count, .. } = &mut *self.scratch;
+        let Candidates { asked, candidates, count, .. } = &mut self.candidates[first / GROUP];
         let (mut kept, mut others) = (0, 0);
         for index in 0..*count {
             let candidate = candidates[index];
@@ -369,7 +404,6 @@ impl ShapeFlight<'_> {
             body: entry.body,
             block: entry.block,
             slot: entry.slot,
-            radius: 1.0,
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
             origin: DVec3::ZERO,
             direction: DVec3::X,
@@ -384,7 +418,8 @@ impl ShapeFlight<'_> {
     /// and those that hold the ends of chords.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&mut self, simd: S, first: usize) {
-        let Scratch { asked, candidates, count, covers, eights, told } = &mut *self.scratch;
+        let Candidates { asked, candidates, count, .. } = &self.candidates[first / GROUP];
+        let Scratch { covers, eights, told } = &mut *self.scratch;
         let (kinds, blocks, shapes) = (self.kinds, self.grid.blocks(), self.shapes);
         let stretches = &mut self.stretches[first / GROUP];
         let grains: &mut Visits = &mut self.in_grains[first / GROUP];
@@ -400,11 +435,10 @@ impl ShapeFlight<'_> {
                 let (at, number) = (at as usize & (GROUP - 1), block as usize);
                 let (block, slot) = (&blocks[number], candidate as usize % GRAINS_PER_BLOCK);
                 eight.places[i] = (at, number, slot);
-                let center = [block.x[slot], block.y[slot], block.z[slot]];
                 let word = shapes.blocks[number][slot];
-                eight.set(i, (stretches, at), center, word);
-                if let Some(slabs) = kinds.slabs_of(word) {
-                    eight.set_faces(i, slabs);
+                eight.set(i, (stretches, at), (block, slot), word);
+                if kinds.only.is_none() {
+                    eight.set_faces(i, kinds.prototype(word));
                 }
             }
         }
@@ -425,7 +459,8 @@ impl ShapeFlight<'_> {
                 }
                 let word = eight.word[i];
                 let center = vector(&stretches.offset, at) + blocks[block].center(slot);
-                let body = BodyPart { center, word, part: 0 };
+                let radius = told.radius[i];
+                let body = BodyPart { center, radius, word, part: 0 };
                 let met = told.met(i, (block, slot), body);
                 if is_covered {
                     covers.push(Cover { at, gone, met });
@@ -438,9 +473,10 @@ impl ShapeFlight<'_> {
     }
 
     /// Lets the paths at whose chords' ends other ice lies go on into the grain that they leave last; but those that are
-    /// `covered` by grains of other shapes, and those that few paths are like, as those in such grains do.
+    /// covered by grains of other shapes, and those that few paths are like, as those in such grains do.
     #[inline(always)]
-    pub(super) fn cross(&mut self, first: usize, mut covered: u32) {
+    pub(super) fn cross(&mut self, first: usize) {
+        let mut covered = self.candidates[first / GROUP].covered;
         if self.scratch.covers.is_empty() && covered == 0 {
             return;
         }
@@ -476,7 +512,7 @@ impl ShapeFlight<'_> {
             self.grid.strata().get(met.block).map_or(0, |strata| strata[met.slot]);
         let end = self.stretches[group].travelled[at];
         grains.cross(at, met, self.kinds.slabs_of(met.body.word), end);
-        grains.set_overlaps(at, self.grid.blocks()[met.block].radius[met.slot] & OVERLAPS != 0);
+        grains.set_reached(at, ShapeWord::of_slot(met.body.word).reached());
         self.stretches[group].go_on(&self.cells, at, lane, *gone, met.body);
     }
 }

@@ -6,7 +6,7 @@ use super::lane::{BodyPart, Inside};
 use super::near::{self, Window, near};
 use super::{SURFACE_FIRST, ShapeFlight, passes};
 use crate::flight::{ArrivalFrom, FlightEvent, MAX_TURNS_IN_ICE};
-use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, ShapeWord};
+use crate::grain_grid::{MEETS_SURFACE, OVERLAPS};
 use fearless_simd::prelude::*;
 
 impl ShapeFlight<'_> {
@@ -88,11 +88,12 @@ impl ShapeFlight<'_> {
                     continue;
                 }
                 let word = self.shapes.blocks[number][slot];
-                let placement = Placement::of(ShapeWord::of_slot(word));
+                let placement = self.shapes.placement(word, block.radius[slot]);
+                let radius = placement.radius;
                 let parts = &self.shapes.of(&placement).parts;
                 let point = placement.to_prototype(lane.origin + lane.direction * end - center);
                 for (at, part) in parts.iter().enumerate() {
-                    let body = BodyPart { center, word, part: at as u16 };
+                    let body = BodyPart { center, radius, word, part: at as u16 };
                     if body == own || !may_hold(part, point) {
                         continue;
                     }

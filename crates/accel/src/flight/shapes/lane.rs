@@ -5,7 +5,7 @@
 //! whichever cell asks.
 
 use super::body::{ELLIPSOID, LocalRay, NOWHERE};
-use crate::grain_grid::{CellEntry, GridShapes, Placement};
+use crate::grain_grid::{CellEntry, GridShapes, Placement, ShapeWord};
 use crate::{GrainGrid, STRATA, SurfaceHit, SurfaceId};
 use snowgrain_math::sampler::PathKey;
 use snowgrain_math::{DVec3, Ray};
@@ -29,8 +29,20 @@ pub(super) enum Phase {
 pub(super) struct BodyPart {
     /// Centre of the grain from the corner of the home cell, quanta: a whole number.
     pub(super) center: DVec3,
+    /// Radius of the grain, quanta.
+    pub(super) radius: f64,
     pub(super) word: u64,
     pub(super) part: u16,
+}
+
+impl BodyPart {
+    pub(super) const NONE: Self = Self { center: DVec3::ZERO, radius: 0.0, word: 0, part: 0 };
+
+    /// How its grain is placed.
+    #[inline(always)]
+    pub(super) fn placement(&self) -> Placement {
+        Placement::new(ShapeWord::of_slot(self.word).shape(), self.radius)
+    }
 }
 
 /// The ice that a path is in.
@@ -51,7 +63,7 @@ pub(super) struct Inside {
 impl Default for Inside {
     fn default() -> Self {
         Self {
-            body: BodyPart { center: DVec3::ZERO, word: 0, part: 0 },
+            body: BodyPart::NONE,
             placement: Placement::default(),
             leave: 0.0,
             through: NOWHERE,

@@ -32,7 +32,7 @@ use super::{FirstGrain, FlightEvent, Travelled};
 use crate::grain_grid::{GridPosition, GridShapes, ShapeWord};
 use crate::{GrainGrid, STRATA, SurfaceId, Surfaces};
 use body::NOWHERE;
-use candidates::{Kinds, Scratch};
+use candidates::{Candidates, Kinds, Scratch};
 use fearless_simd::{Level, dispatch};
 use interface::Interface;
 use lane::{BodyPart, Cells, Inside, Lane, Phase};
@@ -67,6 +67,7 @@ pub(super) struct ShapeFlight<'a> {
     in_grains: Box<[Visits; LANES / GROUP]>,
     /// Of each group, its paths that are followed one by one, in ice.
     in_ice: [u32; LANES / GROUP],
+    candidates: Box<[Candidates; LANES / GROUP]>,
     scratch: Box<Scratch>,
     events: Vec<(usize, FlightEvent)>,
     /// Arrivals at grains, where they are noted.
@@ -95,6 +96,7 @@ impl<'a> ShapeFlight<'a> {
             stretches: Box::default(),
             in_grains: Box::default(),
             in_ice: [0; LANES / GROUP],
+            candidates: Box::default(),
             scratch: Box::default(),
             events: Vec::with_capacity(LANES),
             visits: None,

@@ -5,7 +5,7 @@ use super::candidates::part_of;
 use super::stretches::next;
 use super::{GROUP, Phase, ShapeFlight, VISITS_AT_ONCE};
 use crate::flight::MAX_TURNS_IN_ICE;
-use crate::grain_grid::{MEETS_SURFACE, OVERLAPS, Placement, Prototype, ShapeWord, Storage};
+use crate::grain_grid::{MEETS_SURFACE, Prototype, ShapeWord, Storage};
 use fearless_simd::Simd;
 use snowgrain_math::DVec3;
 
@@ -17,15 +17,14 @@ impl ShapeFlight<'_> {
         while self.events.is_empty()
             && self.visits.as_ref().is_none_or(|noted| noted.len() < VISITS_AT_ONCE)
         {
+            // While one group waits for memory, another is worked on.
+            for group in 0..groups {
+                self.look_around(simd, group);
+            }
             let mut flying = false;
             for group in 0..groups {
-                flying |= self.round(simd, group);
-                if group > 0 {
-                    self.fetch_entries(group - 1);
-                }
-            }
-            if groups > 0 {
-                self.fetch_entries(groups - 1);
+                flying |= self.go_on(simd, group);
+                self.fetch_entries(group);
             }
             if !flying {
                 return;
@@ -33,12 +32,17 @@ impl ShapeFlight<'_> {
         }
     }
 
+    /// Asks the blocks of a group's paths.
+    #[inline(always)]
+    fn look_around<S: Simd>(&mut self, simd: S, group: usize) {
+        self.stretches[group].look_ahead(simd, &self.cells, self.shapes.concentric);
+        self.gather(simd, group * GROUP);
+    }
+
     /// One step of the paths of a group; whether any is in flight.
     #[inline(always)]
-    fn round<S: Simd>(&mut self, simd: S, group: usize) -> bool {
+    fn go_on<S: Simd>(&mut self, simd: S, group: usize) -> bool {
         let first = group * GROUP;
-        self.stretches[group].look_ahead(simd, &self.cells, self.shapes.concentric);
-        let covered = self.gather(simd, first);
         self.meet(simd, first);
         let mut ice = self.in_ice[group];
         let flying = self.stretches[group].air != 0 || self.in_grains[group].any() || ice != 0;
@@ -47,7 +51,7 @@ impl ShapeFlight<'_> {
             self.in_ice[group] &= !(1 << at);
             self.go_on_in_ice(simd, first + at, None);
         }
-        self.cross(first, covered);
+        self.cross(first);
         self.step_in_grains(simd, first);
         self.prefetch_entries(simd, group);
         flying
@@ -100,12 +104,13 @@ impl ShapeFlight<'_> {
             return false;
         }
         let (stretches, grains) = (&self.stretches[group], &mut self.in_grains[group]);
+        let reached = ShapeWord::of_slot(grains.word(at)).reached();
         let lane = &mut self.lanes[index];
         lane.count_air(stretches.nearest[at]);
         lane.visits += 1;
         lane.phase = Phase::Visit;
         lane.inside.stratum = self.grid.strata().get(block).map_or(0, |strata| strata[slot & 15]);
-        grains.begin(at, lane.key, lane.event, flags & OVERLAPS != 0);
+        grains.begin(at, lane.key, lane.event, reached);
         true
     }
 
@@ -113,8 +118,8 @@ impl ShapeFlight<'_> {
     fn note_first(&mut self, index: usize) -> bool {
         let (group, at) = (index / GROUP, index % GROUP);
         let (stretches, grains) = (&self.stretches[group], &self.in_grains[group]);
-        let placement = Placement::of(ShapeWord::of_slot(grains.word(at)));
-        let Prototype { parts, slabs: Some(slabs) } = self.shapes.of(&placement) else {
+        let placement = grains.body(at).placement();
+        let Prototype { parts, slabs: Some(slabs), .. } = self.shapes.of(&placement) else {
             return false;
         };
         let through = part_of(slabs, grains.face(at));

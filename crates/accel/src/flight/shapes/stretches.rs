@@ -37,6 +37,7 @@ pub(super) struct Stretches {
     pub(super) entry: [u32; GROUP],
     /// The part on which the path stands, which it does not meet: of no word where it stands on none.
     pub(super) own_center: [[f64; GROUP]; 3],
+    pub(super) own_radius: [f64; GROUP],
     pub(super) own_word: [u64; GROUP],
     pub(super) own_part: [u16; GROUP],
     /// Paths that do not meet any grain with the centre of that part: it is its grain's only one.
@@ -75,6 +76,7 @@ impl Default for Stretches {
             within_brick: [0; GROUP],
             entry: [0; GROUP],
             own_center: [[0.0; GROUP]; 3],
+            own_radius: [0.0; GROUP],
             own_word: [0; GROUP],
             own_part: [0; GROUP],
             alone: 0,
@@ -174,6 +176,7 @@ impl Stretches {
         copy_column(&mut self.home, to, &source.home, from);
         self.travelled[to] = source.travelled[from];
         self.entry[to] = source.entry[from];
+        self.own_radius[to] = source.own_radius[from];
         self.own_word[to] = source.own_word[from];
         self.own_part[to] = source.own_part[from];
         self.nearest[to] = source.nearest[from];
@@ -342,6 +345,7 @@ impl Stretches {
         let mut rest = lanes;
         while let Some(at) = next(&mut rest) {
             (self.own_word[at], self.own_part[at]) = (grains.word(at), 0);
+            self.own_radius[at] = grains.radius(at);
         }
         self.alone |= lanes;
         outside & lanes

@@ -11,10 +11,10 @@ use super::GROUP;
 use super::candidates::Kinds;
 use super::lane::BodyPart;
 use super::slabs::{Bodies, D, Interfaces, Truth, Vectors, WIDTH, left, normals, turned};
-use super::stretches::{copy_column, set_vector, vector};
+use super::stretches::{copy_column, next, set_vector, vector};
 use crate::flight::random::{NEXT_EVENT, prepared, uniform_24_bits, unprepared};
 use crate::flight::vector::W;
-use crate::grain_grid::{AXES, Slabs};
+use crate::grain_grid::{AXES, ReachedFaces, Slabs};
 use fearless_simd::prelude::*;
 use fearless_simd::{mask32x16, mask64x8};
 use snowgrain_math::DVec3;
@@ -28,8 +28,9 @@ pub(super) struct Visits {
     inside: u32,
     /// Paths that have come from one grain into another.
     crossing: u32,
-    /// Paths in grains that other ice may overlap.
+    /// Paths in grains that other ice may overlap, and which of their faces it may reach.
     overlapping: u32,
+    reached: [ReachedFaces; GROUP],
     /// The grains: centres from the corners of the paths' home cells, the axes of their spaces in the world, radii.
     pub(super) center: [[f64; GROUP]; 3],
     axes: [[[f64; GROUP]; 3]; 3],
@@ -60,6 +61,7 @@ impl Default for Visits {
             inside: 0,
             crossing: 0,
             overlapping: 0,
+            reached: [ReachedFaces::NONE; GROUP],
             center: [[0.0; GROUP]; 3],
             axes: [[[0.0; GROUP]; 3]; 3],
             radius: [1.0; GROUP],
@@ -87,7 +89,6 @@ pub(super) struct Met {
     pub(super) body: BodyPart,
     pub(super) block: usize,
     pub(super) slot: usize,
-    pub(super) radius: f64,
     pub(super) axes: [DVec3; 3],
     /// The path in the grain's space, and where it enters.
     pub(super) origin: DVec3,
@@ -120,7 +121,7 @@ impl Visits {
         }
         set_vector(&mut self.place, at, met.origin);
         set_vector(&mut self.direction, at, met.direction);
-        self.radius[at] = met.radius;
+        self.radius[at] = met.body.radius;
         (self.word[at], self.part[at]) = (met.body.word, met.body.part);
         (self.block[at], self.slot[at]) = (met.block as u32, met.slot as u32);
         (self.enter[at], self.on[at]) = (met.enter, met.face);
@@ -135,7 +136,7 @@ impl Visits {
     /// The part that was noted.
     pub(super) fn body(&self, at: usize) -> BodyPart {
         let center = vector(&self.center, at);
-        BodyPart { center, word: self.word[at], part: self.part[at] }
+        BodyPart { center, radius: self.radius[at], word: self.word[at], part: self.part[at] }
     }
 
     /// Its block and slot.
@@ -150,6 +151,11 @@ impl Visits {
 
     pub(super) fn enter(&self, at: usize) -> f64 {
         self.enter[at]
+    }
+
+    #[inline(always)]
+    pub(super) fn radius(&self, at: usize) -> f64 {
+        self.radius[at]
     }
 
     #[inline(always)]
@@ -179,14 +185,14 @@ impl Visits {
         self.fresh |= lanes;
     }
 
-    /// Notes the random numbers of a path that arrives, and whether other ice may overlap its grain.
+    /// Notes the random numbers of a path that arrives, and which faces of its grain other ice may reach.
     #[inline(always)]
-    pub(super) fn begin(&mut self, at: usize, key: PathKey, event: u32, overlaps: bool) {
+    pub(super) fn begin(&mut self, at: usize, key: PathKey, event: u32, reached: ReachedFaces) {
         self.key[0][at] = prepared(key.lo);
         self.key[1][at] = prepared(key.hi);
         self.event[at] = prepared(event);
         self.turns[at] = 0;
-        self.set_overlaps(at, overlaps);
+        self.set_reached(at, reached);
     }
 
     /// Lets a path, that stands at the end of its chord `end` quanta after the beginning of its stretch, go on into another
@@ -194,16 +200,17 @@ impl Visits {
     pub(super) fn cross(&mut self, at: usize, met: &Met, slabs: Option<&Slabs>, end: f64) {
         self.meet(at, met, slabs);
         self.on[at] = 0.0;
-        self.ice[at] = -(end / met.radius);
+        self.ice[at] = -(end / met.body.radius);
         self.inside &= !(1 << at);
         self.crossing |= 1 << at;
     }
 
-    /// Tells whether other ice may overlap the grain of a path.
+    /// Tells which faces of the grain of a path other ice may reach.
     #[inline(always)]
-    pub(super) fn set_overlaps(&mut self, at: usize, overlaps: bool) {
+    pub(super) fn set_reached(&mut self, at: usize, reached: ReachedFaces) {
+        self.reached[at] = reached;
         self.overlapping &= !(1 << at);
-        self.overlapping |= u32::from(overlaps) << at;
+        self.overlapping |= u32::from(reached != ReachedFaces::NONE) << at;
     }
 
     /// Whether any path is here.
@@ -224,10 +231,14 @@ impl Visits {
         self.ice[at] * self.radius[at]
     }
 
-    /// Paths that stand at the end of a chord in grains that other ice may overlap.
+    /// Paths that stand at the end of a chord on faces that other ice may reach.
     #[inline(always)]
     pub(super) fn may_be_covered(&self) -> u32 {
-        self.inside & self.overlapping
+        let (mut lanes, mut may) = (self.inside & self.overlapping, 0);
+        while let Some(at) = next(&mut lanes) {
+            may |= u32::from(self.reached[at].has(self.on[at])) << at;
+        }
+        may
     }
 
     /// Forgets a path.
@@ -293,7 +304,7 @@ impl Visits {
         self.fresh |= (source.fresh >> from & 1) << to;
         self.inside |= (source.inside >> from & 1) << to;
         self.crossing |= (source.crossing >> from & 1) << to;
-        self.set_overlaps(to, source.overlaps(from));
+        self.set_reached(to, source.reached[from]);
     }
 
     /// At the ends of chords: out, or reflected. Those that are outside.

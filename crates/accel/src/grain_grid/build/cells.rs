@@ -5,7 +5,7 @@ use super::batches::{HeldBrick, ReachingGrain};
 use super::overlap::{ListedGrains, Shaped, mark_overlapping};
 use crate::grain_grid::block::{MEETS_SURFACE, OVERLAPS};
 use crate::grain_grid::packed_cells::{BRICK, CELLS_PER_BRICK};
-use crate::grain_grid::{Block, BlockShapes, CellEntry, GRAINS_PER_BLOCK};
+use crate::grain_grid::{Block, BlockShapes, CellEntry, GRAINS_PER_BLOCK, ReachedFaces, ShapeWord};
 use crate::strata::BlockStrata;
 use fearless_simd::{Level, dispatch};
 use snowgrain_math::{Aabb, DVec3};
@@ -33,6 +33,7 @@ pub(super) struct Scratch {
     blocks: Vec<Block>,
     owners: Vec<[u32; GRAINS_PER_BLOCK]>,
     overlapping: Vec<bool>,
+    reached: Vec<ReachedFaces>,
 }
 
 /// What counting told of a batch.
@@ -97,7 +98,7 @@ impl Packer<'_> {
         counts: &[u16; CELLS_PER_BRICK],
         scratch: &mut Scratch,
     ) {
-        let Scratch { listed, blocks, owners, overlapping } = scratch;
+        let Scratch { listed, blocks, owners, overlapping, reached } = scratch;
         let mut starts = [0u32; CELLS_PER_BRICK];
         let mut needed = 0;
         for (start, &count) in starts.iter_mut().zip(counts) {
@@ -142,13 +143,25 @@ impl Packer<'_> {
                 margin: self.margin,
                 side: self.layout.side,
             };
+            reached.clear();
+            reached.extend(grains.iter().map(|g| self.reached_faces(g.grain)));
             for cell in 0..CELLS_PER_BRICK {
-                shaped.mark_overlapping(&listed(cell), overlapping);
+                shaped.mark_overlapping(&listed(cell), overlapping, reached);
+            }
+            for (grain, &faces) in grains.iter().zip(reached.iter()) {
+                if faces != ReachedFaces::NONE {
+                    self.reached[grain.grain as usize].fetch_or(faces.to_bits(), Relaxed);
+                }
             }
         }
         for (grain, _) in grains.iter().zip(overlapping).filter(|(_, overlaps)| **overlaps) {
             self.set_flag(grain.grain, OVERLAPS);
         }
+    }
+
+    /// The faces of a grain that are known to be reached.
+    fn reached_faces(&self, grain: u32) -> ReachedFaces {
+        ReachedFaces::from_bits(self.reached[grain as usize].load(Relaxed))
     }
 
     /// Marks the grains listed in cells that a surface crosses, where it may cross the grain too.
@@ -214,7 +227,9 @@ impl Packer<'_> {
                     strata[slot % GRAINS_PER_BLOCK] = known >> STRATUM_SHIFT;
                 }
                 if let Some(shapes) = shapes.get_mut(at) {
-                    shapes[slot % GRAINS_PER_BLOCK] = self.words[grain.grain as usize];
+                    let (slot, grain) = (slot % GRAINS_PER_BLOCK, grain.grain);
+                    let of_grain = ShapeWord::of_slot(self.words[grain as usize]).shape();
+                    shapes[slot] = ShapeWord::new(of_grain, self.reached_faces(grain)).to_slot();
                 }
             });
         }

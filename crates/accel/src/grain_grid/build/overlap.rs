@@ -2,7 +2,7 @@
 
 use crate::grain_grid::block::RADIUS_MASK;
 use crate::grain_grid::hull::{Hull, Placed};
-use crate::grain_grid::{Block, GRAINS_PER_BLOCK, Placement, ShapeWord};
+use crate::grain_grid::{Block, GRAINS_PER_BLOCK, ReachedFaces, ShapeWord};
 use fearless_simd::Simd;
 use snowgrain_math::DVec3;
 
@@ -99,15 +99,27 @@ struct Listed {
 }
 
 impl Shaped<'_> {
-    /// Marks the grains of a cell that may overlap another one of it, where the cell is the one that answers for both.
-    pub(super) fn mark_overlapping(&self, cell: &ListedGrains<'_>, overlapping: &mut [bool]) {
+    /// Marks the grains of a cell that may overlap another one of it, and their faces that this may reach, where the cell is
+    /// the one that answers for both.
+    pub(super) fn mark_overlapping(
+        &self,
+        cell: &ListedGrains<'_>,
+        overlapping: &mut [bool],
+        reached: &mut [ReachedFaces],
+    ) {
         for one in 0..cell.count {
             let a = cell.grain(one);
             for b in (one + 1..cell.count).map(|other| cell.grain(other)) {
-                let known = overlapping[a.owner as usize] && overlapping[b.owner as usize];
-                if !known && self.answers_for(&a, &b) && !self.are_apart(&a, &b) {
-                    overlapping[a.owner as usize] = true;
-                    overlapping[b.owner as usize] = true;
+                let owners = [a.owner as usize, b.owner as usize];
+                let is_known =
+                    |owner: usize| overlapping[owner] && reached[owner] == ReachedFaces::ALL;
+                if owners.into_iter().all(is_known) || !self.answers_for(&a, &b) {
+                    continue;
+                }
+                let Some(faces) = self.faces_reached(&a, &b) else { continue };
+                for (owner, faces) in owners.into_iter().zip(faces) {
+                    overlapping[owner] = true;
+                    reached[owner] = reached[owner].and(faces);
                 }
             }
         }
@@ -133,19 +145,24 @@ impl Shaped<'_> {
         })
     }
 
-    fn are_apart(&self, a: &Listed, b: &Listed) -> bool {
+    /// The faces of each of two grains that the other may reach; `None` where they are apart.
+    fn faces_reached(&self, a: &Listed, b: &Listed) -> Option<[ReachedFaces; 2]> {
         let placed = |grain: &Listed| {
-            let placement = Placement::of(ShapeWord::of_slot((self.words)(grain.owner)));
-            Placed { hull: &self.hulls[placement.prototype], placement }
+            let shape = ShapeWord::of_slot((self.words)(grain.owner)).shape();
+            self.hulls[shape.prototype()].placed(shape, grain.radius)
         };
         let (one, other) = (placed(a), placed(b));
-        if one.hull.is_ball() && other.hull.is_ball() {
+        if one.is_ball() && other.is_ball() {
             let radius = |grain: &Placed<'_>| grain.placement.radius as u16;
             let center = |grain: &Listed| grain.center.map(i32::from);
-            return !overlaps(center(a), radius(&one), center(b), radius(&other));
+            return overlaps(center(a), radius(&one), center(b), radius(&other))
+                .then_some([ReachedFaces::NOT_FLAT; 2]);
         }
         let center = |grain: &Listed| DVec3::from_array(grain.center.map(f64::from));
-        one.is_apart_from(&other, center(b) - center(a))
+        let between = center(b) - center(a);
+        let faces =
+            || [one.faces_reached_by(&other, between), other.faces_reached_by(&one, -between)];
+        (!one.is_apart_from(&other, between)).then(faces)
     }
 }
 
