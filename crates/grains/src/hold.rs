@@ -1,7 +1,8 @@
 //! Grains of shapes that hold on to each other.
 //!
 //! Snow falls and is packed as spheres that touch. As the shapes that they are, turned at random, some grains reach no
-//! other, and float. Those are turned anew, as often as it takes, until they touch one that is held; the others
+//! other, and float. Those are turned anew, as often as it takes, until they touch one that is held; where that does not
+//! help, as spheres look alike from all sides, one that is held is turned to touch them, if it lets go of nothing. The others
 //! stay as they are. What hangs together is a set of spheres that do: the largest part of each set holds the rest.
 
 use crate::measures::TOUCH_TOLERANCE_QUANTA;
@@ -40,14 +41,17 @@ pub fn turned_to_touch(
             break;
         }
         for index in 0..holding.held.len() {
-            if !holding.held[index] {
-                let turn = |grain, turn| {
-                    turned(holding.buckets.number(index), grain, round * TURNS + turn + 1)
-                };
-                if let Some(shape) = holding.shape_that_touches(index, turn) {
-                    holding.buckets.turn(index, shape);
-                    holding.hold(index);
-                }
+            if holding.held[index] {
+                continue;
+            }
+            let turn = |index: usize, turn: u32| {
+                let (number, grain) = (holding.buckets.number(index), holding.grain(index));
+                turned(number, grain, round * TURNS + turn + 1)
+            };
+            let own = holding.shape_that_touches(index, turn).map(|shape| (index, shape));
+            if let Some((which, shape)) = own.or_else(|| holding.holder_that_touches(index, turn)) {
+                holding.buckets.turn(which, shape);
+                holding.hold(which);
             }
         }
         if holding.floating() == before {
@@ -88,28 +92,56 @@ impl Holding {
     }
 
     fn body(&self, index: usize) -> Body<'_> {
-        self.buckets.body(index, center_of(self.buckets.grains()[index]))
+        self.buckets.body(index, center_of(self.grain(index)))
+    }
+
+    fn grain(&self, index: usize) -> QuantisedGrain {
+        self.buckets.grains()[index]
+    }
+
+    /// Those of the grains near one that are held, and what they are.
+    fn held_near(&self, index: usize) -> impl Iterator<Item = (usize, Body<'_>)> {
+        let near = self.near[index].iter().map(|&(other, center)| (other as usize, center));
+        let held = near.filter(|&(other, _)| self.held[other]);
+        held.map(|(other, center)| (other, self.buckets.body(other, center)))
     }
 
     /// The first turn of a grain by which it touches one that is held.
     fn shape_that_touches(
         &self,
         index: usize,
-        turned: impl Fn(QuantisedGrain, u32) -> Option<GrainShape>,
+        turned: impl Fn(usize, u32) -> Option<GrainShape>,
     ) -> Option<GrainShape> {
-        let grain = self.buckets.grains()[index];
-        let held: Vec<Body<'_>> = self.near[index]
-            .iter()
-            .filter(|(other, _)| self.held[*other as usize])
-            .map(|&(other, center)| self.buckets.body(other as usize, center))
-            .collect();
+        let held: Vec<Body<'_>> = self.held_near(index).map(|(_, body)| body).collect();
         if held.is_empty() {
             return None;
         }
         (0..TURNS).find_map(|turn| {
-            let shape = turned(grain, turn)?;
-            let body = self.buckets.body_as(index, shape, center_of(grain));
+            let shape = turned(index, turn)?;
+            let body = self.buckets.body_as(index, shape, center_of(self.grain(index)));
             held.iter().any(|other| meet(&body, other, 0.0)).then_some(shape)
+        })
+    }
+
+    /// The first that is held which can be turned to touch a grain and all that it touched before, and its first such turn.
+    fn holder_that_touches(
+        &self,
+        index: usize,
+        turned: impl Fn(usize, u32) -> Option<GrainShape>,
+    ) -> Option<(usize, GrainShape)> {
+        self.held_near(index).find_map(|(holder, _)| {
+            let (&(_, floating), body) = (
+                self.near[holder].iter().find(|(other, _)| *other as usize == index)?,
+                self.body(holder),
+            );
+            let held = self.held_near(holder).map(|(_, other)| other);
+            let mut touched: Vec<Body<'_>> = held.filter(|other| meet(&body, other, 0.0)).collect();
+            touched.push(self.buckets.body(index, floating));
+            (0..TURNS).find_map(|turn| {
+                let shape = turned(holder, turn)?;
+                let body = self.buckets.body_as(holder, shape, center_of(self.grain(holder)));
+                touched.iter().all(|other| meet(&body, other, 0.0)).then_some((holder, shape))
+            })
         })
     }
 
@@ -206,18 +238,19 @@ mod tests {
     use crate::{
         Amount, DepositRule, DepositSettings, MixedShape, Orientation, Radii, ShapeMix, Snowfall,
     };
-    use snowgrain_geometry::{Quantisation, Shape, ShapeKind};
+    use snowgrain_geometry::{Grain, Quantisation, Shape, ShapeKind};
 
     const R: f64 = 0.3e-3;
 
-    fn snow() -> (GrainField, [f64; 2]) {
+    /// Of this density, or of grains that stick.
+    fn snow(density: Option<f64>) -> (GrainField, [f64; 2]) {
         let quantisation = Quantisation::for_grains(DVec3::ZERO, R);
         let mut snow = Snowfall::on_level_floor(quantisation, [40.0 * R; 2]).unwrap();
         snow.deposit(&DepositSettings {
             amount: Amount::Depth(30.0 * R),
             radii: Radii::equal(R),
-            density: None,
-            rule: Some(DepositRule::Stick),
+            density,
+            rule: density.is_none().then_some(DepositRule::Stick),
             max_slope_degrees: 90.0,
             direction: DepositSettings::DOWN,
             area: None,
@@ -237,7 +270,7 @@ mod tests {
     /// turned.
     #[test]
     fn what_floated_is_turned_until_it_touches() {
-        let (field, period) = snow();
+        let (field, period) = snow(None);
         let quantum = field.quantisation.quantum();
         let [x, z] = period.map(|edge| (edge / quantum).round() as i64);
         for aspect in [0.1, 2.5] {
@@ -264,11 +297,36 @@ mod tests {
 
     #[test]
     fn grains_that_cannot_be_turned_stay_as_they_are() {
-        let (field, _) = snow();
+        let (field, _) = snow(None);
         let upright = Orientation::Aligned { axis: DVec3::Y, spread_degrees: 0.0 };
         let mix = mix(ShapeKind::HexagonalPrism { aspect: 0.1, rounding: 0.0 }, upright);
         let loose = mix.drawn(field);
         let same = turned_to_touch(loose.clone(), [0; 3], |_, _, _| None);
         assert!(same == loose);
+    }
+
+    /// Spheres look alike from all sides: what stands beside them is turned.
+    #[test]
+    fn spheres_that_floated_are_touched_by_what_is_turned() {
+        let (field, period) = snow(Some(250.0));
+        let quantum = field.quantisation.quantum();
+        let [x, z] = period.map(|edge| (edge / quantum).round() as i64);
+        let of = |aspect: f64, fraction: f64| MixedShape {
+            shape: Arc::new(Shape::new(ShapeKind::Spheroid { aspect }).unwrap()),
+            orientation: Orientation::Random,
+            fraction,
+        };
+        let mix = ShapeMix::new(vec![of(1.0, 0.5), of(0.7, 0.5)], 3).unwrap();
+        let loose = mix.drawn(field.clone());
+        let turned = |_, grain, turn| {
+            let (which, quaternion) = mix.draw_again(grain, turn);
+            Some(GrainShape::new(which, quaternion))
+        };
+        let held = turned_to_touch(loose.clone(), [x, 0, z], turned);
+        // All that hangs together as spheres.
+        let ground = |grain: &Grain| grain.center.y < 1.5 * R;
+        let [spheres, before, after] = [&field, &loose, &held]
+            .map(|field| connections(field, Some(period), &ground).connected_fraction);
+        assert!(before < 0.9 * spheres && after > 0.95 * spheres, "{spheres} {before} {after}");
     }
 }
