@@ -186,7 +186,7 @@ impl Placed<'_> {
                 })
         };
         let reached = self.hull.faces.iter().filter(is_reached);
-        reached.fold(ReachedFaces::NOT_FLAT, |all, face| all.and(ReachedFaces::only(face.number)))
+        reached.fold(ReachedFaces::NOT_FLAT, |all, face| all.with(ReachedFaces::only(face.number)))
     }
 
     /// Normals of faces in the world, and how far the grain reaches along each, quanta.

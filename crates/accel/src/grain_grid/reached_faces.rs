@@ -31,7 +31,8 @@ impl ReachedFaces {
         self.0
     }
 
-    pub(crate) fn and(self, other: Self) -> Self {
+    /// These and those of another set.
+    pub(crate) fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 

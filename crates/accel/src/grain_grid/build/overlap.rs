@@ -119,7 +119,7 @@ impl Shaped<'_> {
                 let Some(faces) = self.faces_reached(&a, &b) else { continue };
                 for (owner, faces) in owners.into_iter().zip(faces) {
                     overlapping[owner] = true;
-                    reached[owner] = reached[owner].and(faces);
+                    reached[owner] = reached[owner].with(faces);
                 }
             }
         }
